@@ -1,1 +1,3 @@
-//! Placeholder.
+//! Motion control of the flexure arm: profile, feedforward, feedback, nonlinear model predictive control.
+
+pub mod nmpc;
