@@ -1,0 +1,391 @@
+//! From XML text to the typed tree.
+//!
+//! Elements and attributes are those of the FMI 3.0 schema that the units use; anything else is
+//! reported, so that a misspelt attribute cannot be overlooked.
+
+use crate::check;
+use crate::tree::{
+    Causality, DisplayUnit, EnumerationType, Experiment, Initial, Interface, Item, Kind,
+    LogCategory, ModelDescription, Unit, Unknown, Value, Variability, Variable,
+};
+use crate::xml::{Reader, parse_f64};
+use crate::{Diagnostic, fmi3};
+use roxmltree::{Document, Node};
+
+/// Reads and checks a model description.
+///
+/// `file` names it in the messages. Errors: everything that is wrong with it, by line.
+pub fn read(text: &str, file: &str) -> Result<ModelDescription, Vec<Diagnostic>> {
+    let document = Document::parse(text).map_err(|error| {
+        vec![Diagnostic {
+            file: file.to_owned(),
+            line: error.pos().row,
+            message: format!("not well-formed: {error}"),
+        }]
+    })?;
+    let mut reader = Reader::new(&document, file);
+    let mut description = root(&mut reader, document.root_element());
+    description.source = text.to_owned();
+    description.token = fmi3::token(text);
+    check::check(&description, &mut reader);
+    description.variables.sort_by_key(|v| v.value_reference);
+    let mut diagnostics = reader.diagnostics;
+    if diagnostics.is_empty() {
+        return Ok(description);
+    }
+    diagnostics.sort();
+    diagnostics.dedup();
+    Err(diagnostics)
+}
+
+/// The children of `fmiModelDescription` in the order that the schema demands.
+const SECTIONS: [&str; 8] = [
+    "ModelExchange",
+    "CoSimulation",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "DefaultExperiment",
+    "ModelVariables",
+    "ModelStructure",
+];
+
+fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
+    if node.tag_name().name() != "fmiModelDescription" {
+        r.problem(node, "the root element must be `fmiModelDescription`");
+    }
+    r.know_attributes(
+        node,
+        &[
+            "fmiVersion",
+            "modelName",
+            "instantiationToken",
+            "version",
+            "description",
+            "license",
+            "generationTool",
+            "variableNamingConvention",
+        ],
+    );
+    if node.attribute("fmiVersion") != Some("3.0") {
+        r.problem(node, "fmiVersion must be `3.0`");
+    }
+    if node.attribute("variableNamingConvention") != Some("structured") {
+        r.problem(node, "variableNamingConvention must be `structured`");
+    }
+    let text = node.document().input_text();
+    if text.matches(fmi3::EMPTY_TOKEN).count() != 1 {
+        let message = format!(
+            "`{}` must be there once: the build fills it",
+            fmi3::EMPTY_TOKEN
+        );
+        r.problem(node, message);
+    }
+    let mut description = ModelDescription {
+        source: String::new(),
+        token: String::new(),
+        name: r.required(node, "modelName"),
+        description: r.required(node, "description"),
+        version: r.required(node, "version"),
+        license: r.required(node, "license"),
+        generation_tool: r.required(node, "generationTool"),
+        model_exchange: None,
+        co_simulation: None,
+        units: Vec::new(),
+        types: Vec::new(),
+        log_categories: Vec::new(),
+        experiment: Experiment::default(),
+        variables: Vec::new(),
+        outputs: Vec::new(),
+        derivatives: Vec::new(),
+        initial_unknowns: Vec::new(),
+    };
+    let sections = r.children(node, &SECTIONS);
+    in_order(r, &sections, &SECTIONS, true);
+    for section in sections {
+        match section.tag_name().name() {
+            "ModelExchange" => description.model_exchange = Some(interface(r, section)),
+            "CoSimulation" => description.co_simulation = Some(interface(r, section)),
+            "UnitDefinitions" => description.units = every(r, section, &["Unit"], unit),
+            "TypeDefinitions" => {
+                description.types = every(r, section, &["EnumerationType"], enumeration_type);
+            }
+            "LogCategories" => {
+                description.log_categories = every(r, section, &["Category"], log_category);
+            }
+            "DefaultExperiment" => description.experiment = experiment(r, section),
+            "ModelVariables" => {
+                description.variables = every(r, section, Kind::NAMES, variable)
+                    .into_iter()
+                    .flatten()
+                    .collect();
+            }
+            _ => structure(r, section, &mut description),
+        }
+    }
+    for required in ["ModelVariables", "ModelStructure"] {
+        if !node.children().any(|c| c.has_tag_name(required)) {
+            r.problem(node, format_args!("missing element `{required}`"));
+        }
+    }
+    description
+}
+
+/// Reports elements that stand in another order than `order`, or twice where `once`.
+fn in_order(r: &mut Reader, nodes: &[Node], order: &[&str], once: bool) {
+    let position = |node: &Node| order.iter().position(|o| node.has_tag_name(*o));
+    for pair in nodes.windows(2) {
+        let (before, after) = (position(&pair[0]), position(&pair[1]));
+        if after < before || (once && after == before) {
+            let tag = pair[1].tag_name().name();
+            let previous = pair[0].tag_name().name();
+            let line = r.line(pair[1]);
+            r.report(
+                line,
+                format_args!("element `{tag}` may not follow `{previous}`"),
+            );
+        }
+    }
+}
+
+/// Reads each child of a section that may only have children named `known`.
+fn every<'a, T>(
+    r: &mut Reader<'a>,
+    section: Node<'a, 'a>,
+    known: &[&str],
+    read: impl Fn(&mut Reader<'a>, Node<'a, 'a>) -> T,
+) -> Vec<T> {
+    r.know_attributes(section, &[]);
+    r.children(section, known)
+        .into_iter()
+        .map(|child| read(r, child))
+        .collect()
+}
+
+fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
+    let mut known = vec![
+        "modelIdentifier",
+        "canGetAndSetFMUState",
+        "canSerializeFMUState",
+    ];
+    known.extend_from_slice(if node.has_tag_name("ModelExchange") {
+        &["needsCompletedIntegratorStep"]
+    } else {
+        &[
+            "canHandleVariableCommunicationStepSize",
+            "canReturnEarlyAfterIntermediateUpdate",
+            "mightReturnEarlyFromDoStep",
+            "providesIntermediateUpdate",
+            "hasEventMode",
+        ]
+    });
+    r.know_attributes(node, &known);
+    r.children(node, &[]);
+    Interface {
+        model_identifier: r.required(node, "modelIdentifier"),
+        can_get_and_set_state: r.flag(node, "canGetAndSetFMUState"),
+        can_serialize_state: r.flag(node, "canSerializeFMUState"),
+        needs_completed_integrator_step: r.flag(node, "needsCompletedIntegratorStep"),
+        can_handle_variable_step: r.flag(node, "canHandleVariableCommunicationStepSize"),
+        line: r.line(node),
+    }
+}
+
+fn unit<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Unit {
+    r.know_attributes(node, &["name"]);
+    let mut unit = Unit {
+        name: r.required(node, "name"),
+        base: None,
+        display_units: Vec::new(),
+        line: r.line(node),
+    };
+    let children = r.children(node, &["BaseUnit", "DisplayUnit"]);
+    in_order(r, &children, &["BaseUnit", "DisplayUnit"], false);
+    for child in children {
+        r.children(child, &[]);
+        if child.has_tag_name("BaseUnit") {
+            const EXPONENTS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+            r.know_attributes(child, &[&EXPONENTS[..], &["factor", "offset"]].concat());
+            for exponent in EXPONENTS {
+                r.parsed(child, exponent, "an integer", |t| t.parse::<i32>().ok());
+            }
+            r.number(child, "factor");
+            r.number(child, "offset");
+            let attributes = child.attributes();
+            let pair = |a: roxmltree::Attribute| (a.name().to_owned(), a.value().to_owned());
+            unit.base = Some(attributes.map(pair).collect());
+        } else {
+            r.know_attributes(child, &["name", "factor", "offset"]);
+            unit.display_units.push(DisplayUnit {
+                name: r.required(child, "name"),
+                factor: r.number(child, "factor").unwrap_or(1.0),
+                offset: r.number(child, "offset").unwrap_or(0.0),
+            });
+        }
+    }
+    unit
+}
+
+fn enumeration_type<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> EnumerationType {
+    r.know_attributes(node, &["name", "description"]);
+    EnumerationType {
+        name: r.required(node, "name"),
+        description: r.required(node, "description"),
+        line: r.line(node),
+        items: r
+            .children(node, &["Item"])
+            .into_iter()
+            .filter_map(|child| item(r, child))
+            .collect(),
+    }
+}
+
+fn item<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Item> {
+    r.know_attributes(node, &["name", "value", "description"]);
+    r.children(node, &[]);
+    r.required(node, "value");
+    let (name, description) = (r.required(node, "name"), r.required(node, "description"));
+    Some(Item {
+        name,
+        description,
+        value: r.parsed(node, "value", "a 32-bit integer", |t| t.parse().ok())?,
+        line: r.line(node),
+    })
+}
+
+fn log_category<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> LogCategory {
+    r.know_attributes(node, &["name", "description"]);
+    r.children(node, &[]);
+    LogCategory {
+        name: r.required(node, "name"),
+        description: r.required(node, "description"),
+        line: r.line(node),
+    }
+}
+
+fn experiment<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Experiment {
+    r.know_attributes(node, &["startTime", "stopTime", "tolerance", "stepSize"]);
+    r.children(node, &[]);
+    Experiment {
+        start_time: r.number(node, "startTime"),
+        stop_time: r.number(node, "stopTime"),
+        tolerance: r.number(node, "tolerance"),
+        step_size: r.number(node, "stepSize"),
+    }
+}
+
+/// A variable; None if it has no value reference and can therefore not be checked further.
+fn variable<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Variable> {
+    let kind = Kind::from_name(node.tag_name().name())?;
+    let mut known = vec![
+        "name",
+        "valueReference",
+        "causality",
+        "variability",
+        "initial",
+        "description",
+        "start",
+    ];
+    known.extend_from_slice(match kind {
+        Kind::Float64 => &["unit", "displayUnit", "min", "max", "nominal", "derivative"],
+        Kind::Int32 => &["min", "max"],
+        Kind::Boolean => &[],
+        Kind::Enumeration => &["declaredType"],
+    });
+    r.know_attributes(node, &known);
+    let name = r.required(node, "name");
+    let description = r.required(node, "description");
+    r.required(node, "valueReference");
+    let of = |names: &[&str]| format!("one of {}", names.join(", "));
+    let causality = r
+        .parsed(
+            node,
+            "causality",
+            of(Causality::NAMES),
+            Causality::from_name,
+        )
+        .unwrap_or(Causality::Local);
+    let variability = r
+        .parsed(
+            node,
+            "variability",
+            of(Variability::NAMES),
+            Variability::from_name,
+        )
+        .unwrap_or(match kind {
+            Kind::Float64 => Variability::Continuous,
+            _ => Variability::Discrete,
+        });
+    let initial = r.parsed(node, "initial", of(Initial::NAMES), Initial::from_name);
+    let what = match kind {
+        Kind::Float64 => "a finite number",
+        Kind::Int32 => "a 32-bit integer",
+        Kind::Boolean => "true or false",
+        Kind::Enumeration => "an integer",
+    };
+    let start = r.list(node, "start", what, |t| Value::parse(kind, t));
+    let limit = |text: &str| match kind {
+        Kind::Int32 => text.parse::<i32>().ok().map(f64::from),
+        _ => parse_f64(text),
+    };
+    Some(Variable {
+        kind,
+        causality,
+        variability,
+        initial: initial.or(check::default_initial(causality, variability)),
+        declared_type: node.attribute("declaredType").map(str::to_owned),
+        unit: node.attribute("unit").map(str::to_owned),
+        display_unit: node.attribute("displayUnit").map(str::to_owned),
+        min: r.parsed(node, "min", what, limit),
+        max: r.parsed(node, "max", what, limit),
+        nominal: r.number(node, "nominal"),
+        start,
+        dimension: dimension(r, node),
+        derivative: r.reference(node, "derivative"),
+        line: r.line(node),
+        value_reference: r.reference(node, "valueReference")?,
+        name,
+        description,
+    })
+}
+
+fn dimension<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<u32> {
+    let dimensions = r.children(node, &["Dimension"]);
+    if dimensions.len() > 1 {
+        r.problem(node, "more than one dimension");
+    }
+    let dimension = *dimensions.first()?;
+    r.know_attributes(dimension, &["start"]);
+    r.children(dimension, &[]);
+    r.required(dimension, "start");
+    r.parsed(dimension, "start", "a positive number of elements", |t| {
+        t.parse().ok().filter(|n| *n > 0)
+    })
+}
+
+fn structure<'a>(r: &mut Reader<'a>, section: Node<'a, 'a>, description: &mut ModelDescription) {
+    const ENTRIES: [&str; 3] = ["Output", "ContinuousStateDerivative", "InitialUnknown"];
+    r.know_attributes(section, &[]);
+    let entries = r.children(section, &ENTRIES);
+    in_order(r, &entries, &ENTRIES, false);
+    for entry in entries {
+        r.know_attributes(entry, &["valueReference", "dependencies"]);
+        r.children(entry, &[]);
+        r.required(entry, "valueReference");
+        let Some(value_reference) = r.reference(entry, "valueReference") else {
+            continue;
+        };
+        let unknown = Unknown {
+            value_reference,
+            dependencies: r.list(entry, "dependencies", "a value reference", |t| {
+                t.parse().ok()
+            }),
+            line: r.line(entry),
+        };
+        match entry.tag_name().name() {
+            "Output" => description.outputs.push(unknown),
+            "ContinuousStateDerivative" => description.derivatives.push(unknown),
+            _ => description.initial_unknowns.push(unknown),
+        }
+    }
+}
