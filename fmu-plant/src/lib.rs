@@ -1,1 +1,13 @@
-//! Placeholder.
+//! The flexure arm as a Functional Mock-up Unit: glue between `arm` and `fmi-unit`, nothing computed here.
+
+mod noise;
+mod plant;
+
+/// The variables, as declared in `modelDescription/plant.xml`.
+pub mod variables {
+    include!(concat!(env!("OUT_DIR"), "/variables.rs"));
+}
+
+pub use plant::Plant;
+
+// fmi_unit::export!(Plant);

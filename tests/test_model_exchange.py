@@ -1,0 +1,61 @@
+"""The plant's two interfaces are the same plant: Model Exchange in CVode against Co-Simulation."""
+
+import numpy as np
+import pytest
+from conftest import fmu
+from fmpy import simulate_fmu
+
+STOP = 2.0
+
+
+def torque_steps() -> np.ndarray:
+    """A stair of torques around the holding torque at 1.3 rad, changing at instants both solvers hit."""
+    rows = [(0.0, 3.1), (0.5, 3.1), (0.5, 3.5), (1.0, 3.5), (1.0, 2.9), (1.5, 2.9), (1.5, 3.2), (STOP, 3.2)]
+    return np.array(rows, dtype=[("time", float), ("torque", float)])
+
+
+def angle(version: str, interface: str, hysteresis: float) -> tuple[np.ndarray, np.ndarray]:
+    result = simulate_fmu(
+        str(fmu(version, "FlexArmPlant")),
+        fmi_type=interface,
+        solver="CVode",
+        relative_tolerance=1e-9,
+        stop_time=STOP,
+        step_size=0.00025,
+        output_interval=0.00025 if interface == "CoSimulation" else 0.01,
+        start_values={"arm.hysteresis": hysteresis, "arm.damping": 0.5},
+        input=torque_steps(),
+        output=["angle"],
+        record_events=False,
+    )
+    return result["time"], result["angle"]
+
+
+def deviation(version: str, hysteresis: float) -> tuple[float, float]:
+    """Largest difference of the angle and largest movement, rad."""
+    time, exchange = angle(version, "ModelExchange", hysteresis)
+    cs_time, cosim = angle(version, "CoSimulation", hysteresis)
+    difference = np.abs(exchange - np.interp(time, cs_time, cosim)).max()
+    return difference, np.ptp(cosim)
+
+
+def test_without_hysteresis_both_agree(version):
+    difference, moved = deviation(version, 0.0)
+    print(f"\n{version}: ME against CS without hysteresis {difference:.2e} rad over {moved:.3f} rad")
+    assert moved > 0.05
+    assert difference < 1e-5
+
+
+def test_with_hysteresis_the_discretisation_of_eq_13_is_what_differs(version):
+    """Eq 13 is one explicit Euler step of the Dahl model in the angle: first order in the step."""
+    difference, moved = deviation(version, 0.0732)
+    print(f"\n{version}: ME against CS with hysteresis {difference:.2e} rad over {moved:.3f} rad")
+    assert moved > 0.05
+    assert difference < 1e-3
+
+
+@pytest.mark.parametrize("unit", ["FlexArmPlant", "FlexArmController"])
+def test_each_unit_runs_alone(version, unit):
+    result = simulate_fmu(str(fmu(version, unit)), fmi_type="CoSimulation", stop_time=0.2, validate=True)
+    assert len(result) > 100
+    assert all(np.isfinite(result[name]).all() for name in result.dtype.names)

@@ -1,0 +1,85 @@
+"""What independent checkers say of the packages, and what the packages hold."""
+
+import io
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from conftest import DIST, ROOT, UNITS, fmu
+from fmpy.validation import validate_fmu
+
+BINARIES = {"fmi2": "binaries/linux64", "fmi3": "binaries/x86_64-linux"}
+
+
+@pytest.fixture(params=UNITS)
+def unit(request) -> str:
+    return request.param
+
+
+def test_fmpy_finds_nothing(version, unit):
+    assert validate_fmu(str(fmu(version, unit))) == []
+
+
+def test_fmutool_finds_nothing(version, unit):
+    """The tool's exit code says nothing: its output is read for findings."""
+    tool = [sys.executable, "-m", "fmu_manipulation_toolbox", "-check", "-input", str(fmu(version, unit))]
+    run = subprocess.run(tool, capture_output=True, text=True, check=False)
+    output = (run.stdout + run.stderr).lower()
+    assert unit.lower() in output, output
+    assert not [line for line in output.splitlines() if "error" in line or "warning" in line], output
+
+
+def test_contents(version, unit):
+    with zipfile.ZipFile(fmu(version, unit)) as package:
+        names = set(package.namelist())
+        assert {"modelDescription.xml", f"{BINARIES[version]}/{unit}.so", "documentation/index.html"} <= names
+        icon = "model.png" if version == "fmi2" else "terminalsAndIcons/icon.png"
+        assert package.read(icon).startswith(b"\x89PNG")
+        assert any(name.startswith("documentation/licenses/") or "license" in name for name in names)
+        page = package.read("documentation/index.html").decode()
+    assert "<svg" in page and "arm.inertia" in page and "kg.m2" in page
+    assert "http://" not in page.replace("http://www.w3.org", ""), "the page must work offline"
+
+
+def test_both_versions_carry_the_same_binary(unit):
+    binaries = []
+    for version, folder in BINARIES.items():
+        with zipfile.ZipFile(fmu(version, unit)) as package:
+            binaries.append(package.read(f"{folder}/{unit}.so"))
+    assert binaries[0] == binaries[1]
+
+
+def test_binary_needs_system_libraries_only(unit, tmp_path):
+    with zipfile.ZipFile(fmu("fmi3", unit)) as package:
+        path = package.extract(f"{BINARIES['fmi3']}/{unit}.so", tmp_path)
+    dynamic = subprocess.run(["readelf", "-d", path], capture_output=True, text=True, check=True).stdout
+    needed = {line.split("[")[1].split(".so")[0] for line in dynamic.splitlines() if "NEEDED" in line}
+    assert needed <= {"libc", "libm", "libgcc_s", "ld-linux-x86-64"}, needed
+
+
+def test_parameter_sets_are_complete_and_shipped():
+    assert {p.name for p in (DIST / "parameters").iterdir()} >= {"tflex.ssv", "pendulum.ssv"}
+
+
+def test_wrong_token_is_refused(version, unit, tmp_path):
+    """A description that does not belong to the binary must not be instantiated."""
+    from fmus import CoSimulation
+
+    broken = tmp_path / f"{unit}.fmu"
+    source = zipfile.ZipFile(io.BytesIO(fmu(version, unit).read_bytes()))
+    with zipfile.ZipFile(broken, "w") as package:
+        for name in source.namelist():
+            data = source.read(name)
+            if name == "modelDescription.xml":
+                attribute = b'guid="' if version == "fmi2" else b'instantiationToken="'
+                head, tail = data.split(attribute)
+                data = head + attribute + b"0000" + tail[4:]
+            package.writestr(name, data)
+    with pytest.raises(Exception, match=r"[Ii]nstantiat"):
+        CoSimulation(broken)
+
+
+def test_readme_names_what_exists():
+    readme = (ROOT / "README.md").read_text()
+    assert "cargo xtask demo" in readme and "cargo xtask test" in readme
