@@ -191,7 +191,7 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
     }
 }
 
-fn unit<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Unit {
+pub(crate) fn unit<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Unit {
     r.know_attributes(node, &["name"]);
     let mut unit = Unit {
         name: r.required(node, "name"),
