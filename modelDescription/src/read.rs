@@ -271,6 +271,7 @@ fn experiment<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Experiment {
         stop_time: r.number(node, "stopTime"),
         tolerance: r.number(node, "tolerance"),
         step_size: r.number(node, "stepSize"),
+        line: r.line(node),
     }
 }
 

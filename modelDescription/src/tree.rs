@@ -143,6 +143,7 @@ pub struct Experiment {
     pub stop_time: Option<f64>,
     pub tolerance: Option<f64>,
     pub step_size: Option<f64>,
+    pub line: u32,
 }
 
 /// Defines an enum whose variants have the names of the standard.
