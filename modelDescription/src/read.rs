@@ -25,6 +25,7 @@ pub fn read(text: &str, file: &str) -> Result<ModelDescription, Vec<Diagnostic>>
     })?;
     let mut reader = Reader::new(&document, file);
     let mut description = root(&mut reader, document.root_element());
+    description.file = file.to_owned();
     description.source = text.to_owned();
     description.token = fmi3::token(text);
     check::check(&description, &mut reader);
@@ -82,6 +83,7 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
         r.problem(node, message);
     }
     let mut description = ModelDescription {
+        file: String::new(),
         source: String::new(),
         token: String::new(),
         name: r.required(node, "modelName"),

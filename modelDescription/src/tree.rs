@@ -6,6 +6,8 @@ use std::fmt;
 /// A checked model description (FMI 3.0 sec 2.4).
 #[derive(Clone, Debug)]
 pub struct ModelDescription {
+    /// File, as it was named to the reader.
+    pub file: String,
     /// The text it was read from.
     pub source: String,
     /// `instantiationToken` (FMI 3.0) and `guid` (FMI 2.0): SHA-256 of the text, in hexadecimal.
