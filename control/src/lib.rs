@@ -1,3 +1,23 @@
-//! Motion control of the flexure arm: profile, feedforward, feedback, nonlinear model predictive control.
+//! Motion control of the flexure arm, as pure functions of measurements and state.
+//!
+//! A [`Controller`] turns one measured angle and one setpoint into one motor torque, 4000 times a
+//! second (sec 3.2):
+//!
+//! ```text
+//! setpoint ─► nmpc | profile ─► reference ─► feedforward ─┬─► torque
+//!                                   │                     │
+//! angle ────────────────────────────┴──────► feedback ────┘
+//! ```
+//!
+//! This crate knows neither simulator nor interface: no I/O and no clock, and everything that a sample
+//! needs is allocated at set-up. "eq n" and "sec n" point into the paper, as in [`arm`].
 
+pub mod feedback;
+pub mod feedforward;
+mod lowpass;
 pub mod nmpc;
+pub mod profile;
+mod reference;
+pub mod riccati;
+
+pub use reference::Reference;
