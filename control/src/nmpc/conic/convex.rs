@@ -1,0 +1,281 @@
+//! One convex problem of the sequence in Clarabel's form: minimise ½·xᵀPx + qᵀx subject to
+//! A·x + s = b, s in a product of cones. See [`super`] for the problem and its scaling.
+//!
+//! | variables | count | | rows | count |
+//! |---|---|---|---|---|
+//! | x, spline coefficients | N − 2 | | upper, then lower bounds of θr_1..θr_{N−1} | 2·(N − 1) |
+//! | ζ_1..ζ_N, thermal loads | N | | signs of s | N |
+//! | s_1..s_N, slacks | N | | room of ζ below the limit | N |
+//! | | | | cones of the intervals: y + 1, y − 1, four currents | 6·N |
+//!
+//! Without a thermal limit only x and its bounds are there.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DataUpdateError, DefaultSolver, SupportedConeT};
+use nalgebra::DMatrix;
+
+use super::super::solver::Task;
+use super::super::spline::{free_columns, gather, stencil};
+use super::super::transcription::{Rollout, STAGES, Sensitivity, Transcription};
+
+/// Rows of a thermal cone.
+const CONE: usize = STAGES + 2;
+/// Entries of A that bound the angle, per spline coefficient.
+const BOUNDS: usize = 4;
+
+/// What an answer to the convex problem promises of the true one.
+pub struct Promise {
+    /// Change of the spline's coefficients per unit of x \[rad\].
+    pub sigma: f64,
+    /// Change of the cost \[rad²·s\].
+    pub cost_change: f64,
+    /// Largest thermal excess \[A²\].
+    pub excess: f64,
+}
+
+/// The convex problem: patterns fixed at set-up, values posed around a trajectory.
+pub struct Convex {
+    horizon: usize,
+    /// Spline coefficients, N − 2.
+    free: usize,
+    /// Thermal loads: N, or none without a limit.
+    loads: usize,
+    /// Diagonals of P above the main one.
+    band: usize,
+    /// Hessian of the cost without heat \[(N − 2) × (N − 2)\].
+    hessian: DMatrix<f64>,
+    max_curvature: f64,
+    /// W, A² of thermal load per A² of squared current held for an interval.
+    heat_weight: f64,
+    p: CscMatrix<f64>,
+    a: CscMatrix<f64>,
+    q: Vec<f64>,
+    b: Vec<f64>,
+    damping: f64,
+    sensitivity: Sensitivity,
+}
+
+impl Convex {
+    /// Lays out the convex problem of `transcription`.
+    pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
+        let problem = transcription.problem();
+        let (horizon, free) = (problem.horizon, problem.horizon - 2);
+        // An integral in the cost couples every pair of coefficients, all else only neighbours.
+        let band = if problem.weights.integral > 0.0 { free - 1 } else { 2 };
+        let mut convex = Self {
+            horizon,
+            free,
+            loads: problem.thermal_limit.map_or(0, |_| horizon),
+            band,
+            max_curvature: hessian.diagonal().max(),
+            hessian,
+            heat_weight: transcription.thermal().weights().iter().sum(),
+            p: CscMatrix::zeros((0, 0)),
+            a: CscMatrix::zeros((0, 0)),
+            q: Vec::new(),
+            b: Vec::new(),
+            damping: 0.0,
+            sensitivity: Sensitivity::new(horizon),
+        };
+        convex.p = convex.pattern_p();
+        convex.a = convex.pattern_a(transcription.thermal().decay());
+        convex.q = vec![0.0; convex.a.n];
+        convex.b = vec![0.0; convex.a.m];
+        convex
+    }
+
+    /// Clarabel's P and A.
+    pub fn matrices(&self) -> (&CscMatrix<f64>, &CscMatrix<f64>) {
+        (&self.p, &self.a)
+    }
+
+    /// Clarabel's q and b.
+    pub fn vectors(&self) -> (&[f64], &[f64]) {
+        (&self.q, &self.b)
+    }
+
+    /// Clarabel's cones.
+    pub fn cones(&self) -> Vec<SupportedConeT<f64>> {
+        let mut cones = vec![SupportedConeT::NonnegativeConeT(self.cone_row(0))];
+        cones.extend((0..self.loads).map(|_| SupportedConeT::SecondOrderConeT(CONE)));
+        cones
+    }
+
+    /// Hands the values as posed to Clarabel.
+    pub fn update(&self, clarabel: &mut DefaultSolver<f64>) -> Result<(), DataUpdateError> {
+        clarabel.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b)
+    }
+
+    /// First row of the slacks' signs.
+    fn slack_row(&self) -> usize {
+        2 * (self.horizon - 1)
+    }
+
+    /// First row of the loads' room.
+    fn room_row(&self) -> usize {
+        self.slack_row() + self.loads
+    }
+
+    /// First row of the cone of interval `k`.
+    fn cone_row(&self, k: usize) -> usize {
+        self.room_row() + self.loads + CONE * k
+    }
+
+    fn pattern_p(&self) -> CscMatrix<f64> {
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        let variables = self.free + 2 * self.loads;
+        for column in 0..variables {
+            if column < self.free {
+                rows.extend(column.saturating_sub(self.band)..=column);
+            }
+            starts.push(rows.len());
+        }
+        let values = vec![0.0; rows.len()];
+        CscMatrix::new(variables, variables, starts, rows, values)
+    }
+
+    /// A with its constant entries; those of the currents are zero until posed.
+    fn pattern_a(&self, decay: f64) -> CscMatrix<f64> {
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut close = |column: &[(usize, f64)]| {
+            rows.extend(column.iter().map(|entry| entry.0));
+            values.extend(column.iter().map(|entry| entry.1));
+            starts.push(rows.len());
+        };
+        for m in 0..self.free {
+            let lower = self.horizon - 1 + m;
+            let mut column = vec![(m, 0.5), (m + 1, 0.5), (lower, -0.5), (lower + 1, -0.5)];
+            if self.loads > 0 {
+                for k in m..m + 3 {
+                    column.extend((2..CONE).map(|row| (self.cone_row(k) + row, 0.0)));
+                }
+            }
+            close(&column);
+        }
+        for k in 0..self.loads {
+            let cone = self.cone_row(k);
+            let mut column = vec![(self.room_row() + k, 1.0), (cone, -1.0), (cone + 1, -1.0)];
+            if k + 1 < self.horizon {
+                let next = self.cone_row(k + 1);
+                column.extend([(next, decay), (next + 1, decay)]);
+            }
+            close(&column);
+        }
+        for k in 0..self.loads {
+            close(&[(self.slack_row() + k, -1.0), (self.room_row() + k, -1.0)]);
+        }
+        let shape = (self.cone_row(self.loads), self.free + 2 * self.loads);
+        CscMatrix::new(shape.0, shape.1, starts, rows, values)
+    }
+
+    /// σ \[rad\].
+    fn sigma(&self, task: &Task<'_>) -> f64 {
+        (task.cost_scale / self.max_curvature).sqrt()
+    }
+
+    /// Poses the problem around `rollout` of `moves`, with steps shortened by `damping`.
+    pub fn pose(&mut self, task: &Task<'_>, moves: &[f64], rollout: &Rollout, damping: f64) {
+        let transcription = task.transcription;
+        let problem = transcription.problem();
+        let sigma = self.sigma(task);
+        self.damping = damping;
+        transcription.differentiate(moves, rollout, &mut self.sensitivity);
+        let gradient = &mut self.q[..self.free];
+        gather(problem.period, &self.sensitivity, gradient);
+        gradient.iter_mut().for_each(|q| *q *= sigma / task.cost_scale);
+
+        let (upper, lower) = self.b.split_at_mut(self.horizon - 1);
+        for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
+            let angle = rollout.reference_angle[k + 1];
+            upper[k] = (highest - angle) / sigma;
+            lower[k] = (angle - lowest) / sigma;
+        }
+
+        let curvature = (1.0 + damping) * sigma * sigma / task.cost_scale;
+        for m in 0..self.free {
+            for place in self.p.colptr[m]..self.p.colptr[m + 1] {
+                self.p.nzval[place] = self.hessian[(self.p.rowval[place], m)] * curvature;
+            }
+        }
+        if problem.weights.thermal > 0.0 {
+            self.pose_heat_cost(task, rollout, curvature);
+        }
+        if let Some(limit) = problem.thermal_limit {
+            self.pose_thermal_limit(task, rollout, limit);
+        }
+    }
+
+    /// Adds the curvature of the cost of heat to P.
+    fn pose_heat_cost(&mut self, task: &Task<'_>, rollout: &Rollout, curvature: f64) {
+        let motor = &task.transcription.problem().motor;
+        let per_current = 2.0 * curvature / (motor.torque_constant * motor.torque_constant);
+        for k in 0..self.horizon {
+            for j in 0..STAGES {
+                let slope = self.torque_slope(task, rollout, k, j);
+                let price = per_current * self.sensitivity.heat_price[k][j];
+                for (right, m) in free_columns(k, self.free) {
+                    for (left, row) in free_columns(k, self.free).take_while(|&(_, row)| row <= m) {
+                        let place = self.p.colptr[m + 1] - 1 - (m - row);
+                        self.p.nzval[place] += price * slope[left] * slope[right];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Cones, room and slacks of the thermal load.
+    fn pose_thermal_limit(&mut self, task: &Task<'_>, rollout: &Rollout, limit: f64) {
+        let thermal = task.transcription.thermal();
+        let unit = self.heat_weight * limit;
+        let per_torque = 1.0 / (task.transcription.problem().motor.torque_constant * limit.sqrt());
+        let sigma = self.sigma(task);
+        for k in 0..self.horizon {
+            let [load, next] = [rollout.thermal_load[k], rollout.thermal_load[k + 1]];
+            let (room, cone) = (self.room_row() + k, self.cone_row(k));
+            self.b[room] = (limit - next) / unit;
+            let heat = (next - thermal.decay() * load) / unit;
+            self.b[cone] = heat + 1.0;
+            self.b[cone + 1] = heat - 1.0;
+            for j in 0..STAGES {
+                let weight = 2.0 * (thermal.weights()[j] / self.heat_weight).sqrt() * per_torque;
+                self.b[cone + 2 + j] = weight * rollout.stages[k][j].torque;
+                let slope = self.torque_slope(task, rollout, k, j);
+                for (column, m) in free_columns(k, self.free) {
+                    let place = self.a.colptr[m] + BOUNDS + (2 - column) * STAGES + j;
+                    self.a.nzval[place] = -weight * sigma * slope[column];
+                }
+            }
+        }
+        let slacks = self.free + self.loads;
+        self.q[slacks..].fill(task.excess_weight * unit);
+    }
+
+    /// ∂τ_j/∂(c_{k−1}, c_k, c_{k+1}) of interval `k` \[N·m/rad\].
+    fn torque_slope(&self, task: &Task<'_>, rollout: &Rollout, k: usize, j: usize) -> [f64; 3] {
+        let transcription = task.transcription;
+        let gradient = transcription.torque_gradient(&rollout.stages[k][j], j);
+        let stencil = stencil(transcription.problem().period);
+        std::array::from_fn(|column| (0..3).map(|row| gradient[row] * stencil[row][column]).sum())
+    }
+
+    /// What the answer `x` promises.
+    pub fn promise(&self, task: &Task<'_>, x: &[f64]) -> Promise {
+        let mut change = 0.0;
+        for m in 0..self.free {
+            let mut row = 0.0;
+            for place in self.p.colptr[m]..self.p.colptr[m + 1] {
+                // Off the diagonal an entry stands for two, on it the form takes half.
+                let half = if self.p.rowval[place] == m { 0.5 } else { 1.0 };
+                row += half * self.p.nzval[place] * x[self.p.rowval[place]];
+            }
+            change += x[m] * (self.q[m] + row / (1.0 + self.damping));
+        }
+        let limit = task.transcription.problem().thermal_limit.unwrap_or(0.0);
+        let slacks = x[self.free + self.loads..].iter();
+        Promise {
+            sigma: self.sigma(task),
+            cost_change: change * task.cost_scale,
+            excess: slacks.fold(0.0, |most, s| s.max(most)) * self.heat_weight * limit,
+        }
+    }
+}

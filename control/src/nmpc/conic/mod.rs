@@ -1,0 +1,168 @@
+//! The plan as a sequence of convex problems, each solved by Clarabel.
+//!
+//! # The convex problem
+//! Around the last trajectory (marked ¯) g_φ is linearised, which makes τ_j affine in the spline's free
+//! coefficients c. The thermal step T⁺ = a·T + Σ_j w_j·(τ_j/Ki)² is relaxed to
+//!
+//! ```text
+//! T_{k+1} − a·T_k ≥ Σ_j w_j·(τ_kj/Ki)²        w_j > 0
+//! ```
+//!
+//! a second-order cone that holds all four RK4 stages. Where the limit does not bind, T may float above
+//! the true load at no cost, so it is never reported; where it binds, the relaxation is tight. The cost
+//! of heat does not use the relaxed T: its gradient and the curvature Σ_j λ_j·∇τ_j·∇τ_jᵀ·2/Ki² come from
+//! the true rollout ([`super::transcription`]), so a trajectory that no longer moves is a stationary
+//! point of the true problem. Each node has its slack s_k ≥ 0 on the thermal limit.
+//!
+//! # Scaling
+//! Done here instead of by Clarabel's equilibration, so that it follows from task and parameters:
+//!
+//! ```text
+//! c = c̄ + σ·x,  σ² = cost_scale/max(H_ii)    ζ_k = (T_k − T̄_k)/(W·L)    W = Σ_j w_j,  L = T_limit
+//! minimise   ½·xᵀPx + qᵀx + ρ·Σ s_k          P = (H + heat)·σ²/cost_scale,  ρ = excess_weight·W·L
+//! subject to (x_{k−1} + x_k)/2 within (bounds − θ̄r_k)/σ                                  k = 1..N−1
+//!            ζ_k − s_k ≤ (L − T̄_k)/(W·L),   s_k ≥ 0                                      k = 1..N
+//!            ‖(y − 1, 2·√(w_j/W)·i_j)‖ ≤ y + 1                                           k = 0..N−1
+//!            y   = ȳ + ζ_{k+1} − a·ζ_k ,     i_j = (τ̄_j + σ·∇τ_j·x)/(Ki·√L)
+//! ```
+//!
+//! # The sequence
+//! The next problem is posed around the last answer until the true cost and the true thermal excess
+//! agree with what the convex problem promised. An answer whose true merit is worse than that of the
+//! trajectory it started from is dropped, and the step shortened by P·(1 + damping), a trust region in
+//! the metric of the cost; this is needed where the thermal budget is starved.
+
+mod convex;
+
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus as Ended};
+use nalgebra::DMatrix;
+
+use self::convex::Convex;
+use super::solver::{ANGLE_TOLERANCE, Outcome, Solver, SolverStatus, Task};
+use super::spline::Spline;
+use super::transcription::{Rollout, Transcription};
+
+/// Convex problems per plan at most.
+const MAX_CONVEX_PROBLEMS: u32 = 12;
+/// Difference between promised and true cost, in units of the larger of both and the cost scale, that
+/// ends the sequence.
+const COST_TOLERANCE: f64 = 1e-7;
+/// Thermal excess beyond the promised one that ends the sequence \[A²\].
+const EXCESS_TOLERANCE: f64 = 1e-8;
+
+/// Solver of plans on Clarabel.
+pub struct Conic {
+    clarabel: DefaultSolver<f64>,
+    convex: Convex,
+    spline: Spline,
+    trial: Spline,
+    trial_moves: Vec<f64>,
+    trial_rollout: Rollout,
+}
+
+impl Conic {
+    /// Sets Clarabel up for the problem of `transcription`, whose cost without heat has the Hessian
+    /// `hessian` \[(N − 2) × (N − 2)\], N ≥ 3.
+    pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
+        let (horizon, period) = (
+            transcription.problem().horizon,
+            transcription.problem().period,
+        );
+        let settings = DefaultSettings {
+            verbose: false,
+            max_iter: 60,
+            max_threads: 1,
+            direct_solve_method: "qdldl".to_owned(),
+            // The data are scaled by us and updated in place.
+            presolve_enable: false,
+            equilibrate_enable: false,
+            ..DefaultSettings::default()
+        };
+        let convex = Convex::new(transcription, hessian);
+        let ((p, a), (q, b)) = (convex.matrices(), convex.vectors());
+        let clarabel =
+            DefaultSolver::new(p, q, a, b, &convex.cones(), settings)
+                .expect("dimensions and settings agree by construction");
+        Self {
+            clarabel,
+            convex,
+            spline: Spline::new(horizon, period),
+            trial: Spline::new(horizon, period),
+            trial_moves: vec![0.0; horizon],
+            trial_rollout: Rollout::new(horizon),
+        }
+    }
+
+    /// Solves the convex problem as posed; its iterations, and whether an answer came out.
+    fn solve_convex(&mut self) -> (u32, Ended) {
+        if self.convex.update(&mut self.clarabel).is_err() {
+            return (0, Ended::NumericalError);
+        }
+        self.clarabel.solve();
+        let solution = &self.clarabel.solution;
+        (solution.iterations, solution.status)
+    }
+}
+
+impl Solver for Conic {
+    fn solve(&mut self, task: &Task<'_>, moves: &mut [f64], rollout: &mut Rollout) -> Outcome {
+        let transcription = task.transcription;
+        self.spline.fit(rollout);
+        self.spline.fix_ends(transcription);
+        self.spline.moves(moves);
+        transcription.roll_out(moves, rollout);
+
+        let mut outcome = Outcome {
+            status: SolverStatus::IterationLimit,
+            iterations: 0,
+            convex_problems: 0,
+        };
+        let mut merit = task.merit(rollout);
+        let mut within_bounds = task.angle_excess(rollout) <= ANGLE_TOLERANCE;
+        let mut damping = 0.0;
+        while outcome.convex_problems < MAX_CONVEX_PROBLEMS {
+            self.convex.pose(task, moves, rollout, damping);
+            let (iterations, ended) = self.solve_convex();
+            outcome.iterations += iterations;
+            outcome.convex_problems += 1;
+            if matches!(ended, Ended::PrimalInfeasible | Ended::AlmostPrimalInfeasible) {
+                outcome.status = SolverStatus::Infeasible;
+                return outcome;
+            }
+            let x = &self.clarabel.solution.x;
+            let promise = self.convex.promise(task, x);
+            self.trial.clone_from(&self.spline);
+            for (c, x) in self.trial.free().iter_mut().zip(x) {
+                *c += promise.sigma * x;
+            }
+            self.trial.moves(&mut self.trial_moves);
+            transcription.roll_out(&self.trial_moves, &mut self.trial_rollout);
+
+            let trial_merit = task.merit(&self.trial_rollout);
+            let answered = matches!(ended, Ended::Solved | Ended::AlmostSolved);
+            let cost_error = (self.trial_rollout.cost - rollout.cost - promise.cost_change).abs();
+            let settled = answered
+                && cost_error <= COST_TOLERANCE * self.trial_rollout.cost.max(task.cost_scale)
+                && self.trial_rollout.excess <= promise.excess + EXCESS_TOLERANCE;
+            if std::env::var("NMPC_TRACE").is_ok() {
+                eprintln!("  {} it {} {:?} merit {:.9} -> {:.9} cost {:.9e} err {:.2e} excess {:.3e} promised {:.3e} damping {}", outcome.convex_problems, iterations, ended, merit, trial_merit, self.trial_rollout.cost, cost_error/task.cost_scale, self.trial_rollout.excess, promise.excess, damping);
+            }
+            if !within_bounds || settled || trial_merit < merit {
+                self.spline.clone_from(&self.trial);
+                moves.copy_from_slice(&self.trial_moves);
+                std::mem::swap(rollout, &mut self.trial_rollout);
+                merit = trial_merit;
+                within_bounds = task.angle_excess(rollout) <= ANGLE_TOLERANCE;
+                if settled {
+                    outcome.status = SolverStatus::Solved;
+                    return outcome;
+                }
+                damping *= 0.1;
+                if damping < 1e-2 { damping = 0.0; }
+            } else {
+                damping = f64::max(10.0 * damping, 0.1);
+            }
+        }
+        outcome
+    }
+}

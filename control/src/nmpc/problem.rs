@@ -1,0 +1,105 @@
+//! The optimal control problem: what is optimised, as data (sec 3.2.3). How it becomes numbers is the
+//! matter of [`super::transcription`], who solves it that of [`super::solver`].
+//!
+//! ```text
+//! minimise    ∫ q_θ·(θ−θ_goal)² + q_ω·ω² + q_int·e² + q_T·T² + q_u·u² dt                      (eq 28)
+//! subject to  dθ/dt  = ω      dω/dt  = u + fb/I
+//!             dθr/dt = ωr     dωr/dt = u                                                       (eq 22)
+//!             fb     = −Kθ·(θ−θr) − Kω·(ω−ωr) − Kint·e_L ,   de_L/dt = θ−θr           (eqs 37, 38)
+//!             de/dt  = θ − θ_goal
+//!             dT/dt  = ((τ/Ki)² − T)/T_tc ,   τ = g_φ(θ) + d·ωr + J·u                     (eqs 20, 21)
+//!             θ_lower + σ_θ ≤ θr ≤ θ_upper − σ_θ                                               (eq 25)
+//!             T ≤ (share·I_lim)²                                                               (eq 26)
+//!             θ(N) = θ_goal ,   ω(N) = 0                                                       (eq 27)
+//! ```
+//!
+//! with u constant over each of the N intervals.
+
+use arm::{Motor, Parameters};
+
+/// Weights of the cost (eq 28).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// q_θ, on the squared distance to the goal \[1\].
+    pub angle: f64,
+    /// q_ω, on the squared velocity \[s²\].
+    pub velocity: f64,
+    /// q_int, on the squared integral of the distance to the goal \[1/s²\].
+    pub integral: f64,
+    /// q_T, on the squared thermal load \[rad²/A⁴\].
+    pub thermal: f64,
+    /// q_u, on the squared reference acceleration \[s⁴\].
+    pub acceleration: f64,
+}
+
+/// The feedback as the plan knows it (eqs 22, 38). Gains of zero: a part the plan does not know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedbackModel {
+    /// I, inertia of the model that the feedback is designed for (eq 16) \[kg·m²\].
+    pub inertia: f64,
+    /// Kθ \[N·m/rad\].
+    pub gain_angle: f64,
+    /// Kω \[N·m·s/rad\].
+    pub gain_velocity: f64,
+    /// Kint \[N·m/(rad·s)\].
+    pub gain_integral: f64,
+}
+
+/// What stays fixed from plan to plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Problem {
+    /// N, number of shooting intervals; at least 2.
+    pub horizon: usize,
+    /// h, length of a shooting interval \[s\].
+    pub period: f64,
+    /// Weights of the cost (eq 28).
+    pub weights: Weights,
+    /// Lower bound of the reference angle, margin included (eq 25) \[rad\].
+    pub angle_lower: f64,
+    /// Upper bound of the reference angle, margin included (eq 25) \[rad\].
+    pub angle_upper: f64,
+    /// Limit of the thermal load, the feedback's share taken off (eq 26) \[A²\]; none: not limited.
+    pub thermal_limit: Option<f64>,
+    /// φ, the arm as the controller knows it (eq 12).
+    pub arm: Parameters,
+    /// Motor (eqs 10, 20).
+    pub motor: Motor,
+    /// Feedback inside the model (eqs 22, 38).
+    pub feedback: FeedbackModel,
+}
+
+/// State at the start of a plan (eq 23).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Initial {
+    /// θ, measured \[rad\].
+    pub angle: f64,
+    /// ω \[rad/s\].
+    pub velocity: f64,
+    /// θr \[rad\].
+    pub reference_angle: f64,
+    /// ωr \[rad/s\].
+    pub reference_velocity: f64,
+    /// e, integral of the distance to the goal \[rad·s\].
+    pub integral: f64,
+    /// e_L, integral of the tracking error (eq 37) \[rad·s\].
+    pub feedback_integral: f64,
+    /// T \[A²\].
+    pub thermal_load: f64,
+}
+
+impl Initial {
+    /// Whether every component is a finite number.
+    pub fn is_finite(&self) -> bool {
+        [
+            self.angle,
+            self.velocity,
+            self.reference_angle,
+            self.reference_velocity,
+            self.integral,
+            self.feedback_integral,
+            self.thermal_load,
+        ]
+        .iter()
+        .all(|x| x.is_finite())
+    }
+}

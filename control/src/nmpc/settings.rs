@@ -1,0 +1,135 @@
+//! Settings of the planner: the group `nmpc.*` of the contract, checked at set-up, all at once.
+
+use arm::{Inadmissible, Limits, Motor, Parameters, require};
+
+use super::problem::{FeedbackModel, Problem, Weights};
+use super::transcription::Transcription;
+
+/// Growth of the tracking error over a horizon beyond which a prediction is worthless.
+const MAX_DEVIATION_GROWTH: f64 = 1e3;
+
+/// Settings of the planner; defaults are those of the T-flex (sec 4.1.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Period of the plans, and length of a shooting interval \[s\].
+    pub period: f64,
+    /// N, number of shooting intervals.
+    pub horizon: i32,
+    /// Weights of the cost (eq 28).
+    pub weights: Weights,
+    /// σ_θ, distance of the reference from the limits (eq 25) \[rad\].
+    pub angle_margin: f64,
+    /// Share of the continuous current that the plan may use (eq 26) \[1\].
+    pub thermal_share: f64,
+    /// Whether the plan keeps the thermal limit.
+    pub thermal_limit: bool,
+    /// Whether the plan knows the feedback (eq 22).
+    pub models_feedback: bool,
+    /// Whether the plan knows the integral part of the feedback (eqs 37, 38).
+    pub models_integrator: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            period: 0.05,
+            horizon: 40,
+            weights: Weights {
+                angle: 1.0,
+                velocity: 0.0025,
+                integral: 0.0,
+                thermal: 1e-6,
+                acceleration: 1e-6,
+            },
+            angle_margin: 0.02,
+            thermal_share: 0.85,
+            thermal_limit: true,
+            models_feedback: true,
+            models_integrator: false,
+        }
+    }
+}
+
+impl Settings {
+    /// The optimal control problem of these settings.
+    ///
+    /// # Errors
+    /// Every setting that is not admissible by itself, or else those not admissible for this arm,
+    /// motor, limits and feedback. The latter are taken to be admissible themselves.
+    pub fn problem(
+        &self,
+        arm: &Parameters,
+        motor: &Motor,
+        limits: &Limits,
+        feedback: &FeedbackModel,
+    ) -> Result<Problem, Vec<Inadmissible>> {
+        let mut errors = Vec::new();
+        self.validate(motor, limits, &mut errors);
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let used = |used: bool, gain: f64| if used { gain } else { 0.0 };
+        let problem = Problem {
+            horizon: usize::try_from(self.horizon).unwrap_or_default(),
+            period: self.period,
+            weights: self.weights,
+            angle_lower: limits.angle_lower + self.angle_margin,
+            angle_upper: limits.angle_upper - self.angle_margin,
+            thermal_limit: self
+                .thermal_limit
+                .then(|| self.thermal_share * self.thermal_share * motor.thermal_limit()),
+            arm: *arm,
+            motor: *motor,
+            feedback: FeedbackModel {
+                inertia: feedback.inertia,
+                gain_angle: used(self.models_feedback, feedback.gain_angle),
+                gain_velocity: used(self.models_feedback, feedback.gain_velocity),
+                gain_integral: used(
+                    self.models_feedback && self.models_integrator,
+                    feedback.gain_integral,
+                ),
+            },
+        };
+        let growth = Transcription::new(problem).deviation_growth();
+        if growth.powi(self.horizon) <= MAX_DEVIATION_GROWTH {
+            Ok(problem)
+        } else {
+            Err(vec![Inadmissible {
+                name: "nmpc.period",
+                value: self.period,
+                admissible: format!(
+                    "short enough for RK4 to follow the feedback: here the predicted tracking error \
+                     grows by {growth:.3e} per period; shorten it, lower the gains, or set \
+                     nmpc.models_feedback = false"
+                ),
+                unit: "s",
+            }])
+        }
+    }
+
+    fn validate(&self, motor: &Motor, limits: &Limits, errors: &mut Vec<Inadmissible>) {
+        const WEIGHT: [f64; 2] = [0.0, 1e12];
+        let weights = &self.weights;
+        // Above the thermal time constant an RK4 step of eq 20 loses its positive weights.
+        let longest = f64::min(10.0, motor.thermal_time_constant);
+        require(errors, "nmpc.period", self.period, [1e-6, longest], "s");
+        let horizon = f64::from(self.horizon);
+        require(errors, "nmpc.horizon", horizon, [2.0, 400.0], "1");
+        require(errors, "nmpc.weight_angle", weights.angle, WEIGHT, "1");
+        require(errors, "nmpc.weight_velocity", weights.velocity, WEIGHT, "s2");
+        require(errors, "nmpc.weight_integral", weights.integral, WEIGHT, "1/s2");
+        require(errors, "nmpc.weight_thermal", weights.thermal, WEIGHT, "rad2/A4");
+        require(
+            errors,
+            "nmpc.weight_acceleration",
+            weights.acceleration,
+            [1e-12, 1e12],
+            "s4",
+        );
+        let half_range = 0.5 * (limits.angle_upper - limits.angle_lower);
+        let margin = [0.0, half_range.min(1e3)];
+        require(errors, "nmpc.angle_margin", self.angle_margin, margin, "rad");
+        let share = [1e-3, 1.0];
+        require(errors, "nmpc.thermal_share", self.thermal_share, share, "1");
+    }
+}

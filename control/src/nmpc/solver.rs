@@ -1,0 +1,84 @@
+//! The solver's interface: set up once from the problem's parameters, then asked for plans.
+//!
+//! Every solver minimises the same merit,
+//!
+//! ```text
+//! cost/cost_scale + excess_weight·Σ_k max(0, T_k − T_limit)     over u, subject to eqs 22, 25, 27
+//! ```
+//!
+//! an exact penalty: below the weight's price the thermal limit is kept wherever it can be kept, and where
+//! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only.
+
+use super::transcription::{Rollout, Transcription};
+
+/// Excess of the thermal load that counts as none \[A²\].
+pub const THERMAL_TOLERANCE: f64 = 1e-6;
+/// Excess of the reference over the angle bounds that counts as none \[rad\].
+pub const ANGLE_TOLERANCE: f64 = 1e-7;
+
+/// One plan to make.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// Problem with start and goal.
+    pub transcription: &'a Transcription,
+    /// Bounds of θr at the nodes 1..N−1 \[N − 1\] \[rad\]; wider than eq 25 where the start demands it.
+    pub angle_bounds: &'a [[f64; 2]],
+    /// Cost that counts as 1 \[rad²·s\].
+    pub cost_scale: f64,
+    /// Price of thermal excess, in units of `cost_scale` \[1/A²\].
+    pub excess_weight: f64,
+}
+
+impl Task<'_> {
+    /// Cost and thermal excess of a rollout in one number.
+    pub fn merit(&self, rollout: &Rollout) -> f64 {
+        rollout.cost / self.cost_scale + self.excess_weight * rollout.total_excess
+    }
+
+    /// Largest distance of θr beyond its bounds \[rad\].
+    pub fn angle_excess(&self, rollout: &Rollout) -> f64 {
+        let inner = rollout.reference_angle[1..].iter().zip(self.angle_bounds);
+        inner.fold(0.0, |most, (angle, [lower, upper])| {
+            most.max(lower - angle).max(angle - upper)
+        })
+    }
+
+    /// Whether a rollout keeps every limit.
+    pub fn admits(&self, rollout: &Rollout) -> bool {
+        rollout.is_finite()
+            && rollout.excess <= THERMAL_TOLERANCE
+            && self.angle_excess(rollout) <= ANGLE_TOLERANCE
+    }
+}
+
+/// How a solver ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolverStatus {
+    /// Converged to tolerance.
+    Solved,
+    /// Stopped before it converged; the moves are the best found.
+    IterationLimit,
+    /// No moves within the angle bounds were found.
+    Infeasible,
+}
+
+/// What a solver did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// How it ended.
+    pub status: SolverStatus,
+    /// Interior-point iterations.
+    pub iterations: u32,
+    /// Convex problems.
+    pub convex_problems: u32,
+}
+
+/// Something that solves tasks of one problem.
+///
+/// The answer depends on the problem's parameters, the task and the guess alone, never on earlier tasks:
+/// a solver rebuilt from the parameters answers bit by bit the same.
+pub trait Solver {
+    /// Improves `moves` \[N\], given `rollout` of them, and leaves the best moves with their rollout.
+    /// The guess may violate any limit, and its end need not be at rest.
+    fn solve(&mut self, task: &Task<'_>, moves: &mut [f64], rollout: &mut Rollout) -> Outcome;
+}

@@ -1,0 +1,134 @@
+//! The reference as a spline: the linear rows of the problem, eliminated.
+//!
+//! Piecewise constant u makes θr a quadratic spline with equidistant knots. With one coefficient per
+//! node,
+//!
+//! ```text
+//! c_k  = θr_k + h/2·ωr_k                     for k = 0..N, and  c_−1 = θr_0 − h/2·ωr_0
+//! θr_k = (c_{k−1} + c_k)/2      ωr_k = (c_k − c_{k−1})/h      u_k = (c_{k+1} − 2·c_k + c_{k−1})/h²
+//! ```
+//!
+//! the rows dθr/dt = ωr and dωr/dt = u hold for every c. The start fixes c_−1 and c_0, terminal rest
+//! (eq 27) fixes c_{N−1} and c_N; the other N − 2 coefficients are free and are all there is to choose.
+
+use nalgebra::DMatrix;
+
+use super::transcription::{Rollout, Sensitivity, Transcription};
+
+/// Coefficients c_−1..c_N \[N + 2\] \[rad\]; the free ones are c_1..c_{N−2}.
+#[derive(Clone, Debug)]
+pub struct Spline {
+    period: f64,
+    coefficients: Vec<f64>,
+}
+
+/// ∂(θr_k, ωr_k, u_k)/∂(c_{k−1}, c_k, c_{k+1}), for period `h`.
+pub fn stencil(h: f64) -> [[f64; 3]; 3] {
+    let square = 1.0 / (h * h);
+    [
+        [0.5, 0.5, 0.0],
+        [-1.0 / h, 1.0 / h, 0.0],
+        [square, -2.0 * square, square],
+    ]
+}
+
+impl Spline {
+    /// Space for a horizon, all coefficients zero.
+    pub fn new(horizon: usize, period: f64) -> Self {
+        Self {
+            period,
+            coefficients: vec![0.0; horizon + 2],
+        }
+    }
+
+    /// The free coefficients c_1..c_{N−2} \[N − 2\].
+    pub fn free(&mut self) -> &mut [f64] {
+        let end = self.coefficients.len() - 2;
+        &mut self.coefficients[2..end]
+    }
+
+    /// Fixes both ends to start and terminal rest of `transcription`.
+    pub fn fix_ends(&mut self, transcription: &Transcription) {
+        let half = 0.5 * self.period;
+        let initial = transcription.initial();
+        let [angle, velocity] = transcription.terminal_reference();
+        let last = self.coefficients.len() - 1;
+        self.coefficients[0] = initial.reference_angle - half * initial.reference_velocity;
+        self.coefficients[1] = initial.reference_angle + half * initial.reference_velocity;
+        self.coefficients[last - 1] = angle - half * velocity;
+        self.coefficients[last] = angle + half * velocity;
+    }
+
+    /// Takes the free coefficients from the nodes of `rollout`; the ends stay.
+    pub fn fit(&mut self, rollout: &Rollout) {
+        let half = 0.5 * self.period;
+        let nodes = rollout.reference_angle[1..]
+            .iter()
+            .zip(&rollout.reference_velocity[1..]);
+        for (c, (angle, velocity)) in self.free().iter_mut().zip(nodes) {
+            *c = angle + half * velocity;
+        }
+    }
+
+    /// The moves u \[N\] of the spline.
+    pub fn moves(&self, moves: &mut [f64]) {
+        let square = 1.0 / (self.period * self.period);
+        for (u, c) in moves.iter_mut().zip(self.coefficients.windows(3)) {
+            *u = ((c[2] - c[1]) - (c[1] - c[0])) * square;
+        }
+    }
+}
+
+/// ∂cost/∂c of the free coefficients \[N − 2\].
+pub fn gather(period: f64, sensitivity: &Sensitivity, gradient: &mut [f64]) {
+    let stencil = stencil(period);
+    gradient.fill(0.0);
+    for (k, interval) in sensitivity.gradient.iter().enumerate() {
+        for (column, m) in free_columns(k, gradient.len()) {
+            gradient[m] += (0..3)
+                .map(|row| stencil[row][column] * interval[row])
+                .sum::<f64>();
+        }
+    }
+}
+
+/// The coefficients that interval `k` depends on and that are free: their column in the stencil and
+/// their index among the `free` ones.
+pub fn free_columns(k: usize, free: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..3).filter_map(move |column| {
+        let m = (k + column).checked_sub(2)?;
+        (m < free).then_some((column, m))
+    })
+}
+
+/// ∂²cost/∂c² of the free coefficients, the cost of heat left out \[(N − 2) × (N − 2)\]: the same for
+/// every start and goal.
+pub fn hessian(transcription: &Transcription) -> DMatrix<f64> {
+    // The cost without heat is a quadratic form: differences of its gradient are exact.
+    let mut problem = *transcription.problem();
+    problem.weights.thermal = 0.0;
+    let horizon = problem.horizon;
+    let homogeneous = Transcription::new(problem);
+    let mut spline = Spline::new(horizon, problem.period);
+    let mut rollout = Rollout::new(horizon);
+    let mut sensitivity = Sensitivity::new(horizon);
+    let mut moves = vec![0.0; horizon];
+    let free = horizon - 2;
+    let mut hessian = DMatrix::zeros(free, free);
+    for m in 0..free {
+        spline.free().fill(0.0);
+        spline.free()[m] = 1.0;
+        spline.moves(&mut moves);
+        homogeneous.follow(&moves, &mut rollout);
+        homogeneous.differentiate(&moves, &rollout, &mut sensitivity);
+        let mut column = hessian.column_mut(m);
+        gather(
+            problem.period,
+            &sensitivity,
+            column.as_mut_slice(),
+        );
+    }
+    // Rounding only: both triangles describe the same form.
+    let transposed = hessian.transpose();
+    (hessian + transposed) * 0.5
+}

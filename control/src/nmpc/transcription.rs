@@ -1,0 +1,436 @@
+//! The transcription: how the optimal control problem becomes numbers. RK4 for dynamics and cost, one
+//! step per shooting interval (eq 24), with every state eliminated that need not be a variable.
+//!
+//! # Exact reductions
+//! Write h for the period and let j = 1..4 count the RK4 stages of an interval that starts at θr, ωr, e,
+//! T and holds u.
+//!
+//! - **Deviation.** z = (θ−θr, ω−ωr, e_L) obeys dz/dt = F·z whatever u is: both rows of eq 22 get the same
+//!   u, the feedback sees only their difference. Its stage values are M_j·z, its next value M_5·z, with
+//!   M_j the RK4 polynomials of h·F. They are known as soon as the start is.
+//! - **Reference.** θr_j = θr + c_j·h·ωr + d_j·h²·u and ωr_j = ωr + c_j·h·u with c = (0, ½, ½, 1) and
+//!   d = (0, 0, ¼, ½); the step itself is exact: θr⁺ = θr + h·ωr + h²·u/2.
+//! - **Integral.** e_1 = e, e_2 = e + h/2·ϑ_1, e_3 = e + h/2·ϑ_2, e_4 = e + h·ϑ_3, with ϑ = θ − θ_goal.
+//! - **Thermal load.** With q_j = (τ_j/Ki)² eq 20 is linear: T_j = α_j·T + Σ_i γ_ji·q_i and
+//!   T⁺ = a·T + Σ_i w_i·q_i. All w_i are positive for h ≤ T_tc, hence "≥" in place of "=" is convex in τ.
+//!
+//! What remains free is (θr, ωr, e, T) and u. The cost of an interval is h/6·(L_1 + 2·L_2 + 2·L_3 + L_4).
+//!
+//! # Sensitivities
+//! [`Transcription::differentiate`] eliminates e and T by their adjoints ν^e and ν^T: it returns
+//! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
+//! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
+
+use super::problem::{Initial, Problem};
+
+/// RK4 stages per interval.
+pub const STAGES: usize = 4;
+/// c_j: part of the interval after which a stage looks at the state (eq 24).
+const ELAPSED: [f64; STAGES] = [0.0, 0.5, 0.5, 1.0];
+/// d_j: share of h²·u in the angle that a stage sees (eq 24).
+const CURVED: [f64; STAGES] = [0.0, 0.0, 0.25, 0.5];
+/// Weights of the stages in a step (eq 24).
+const QUADRATURE: [f64; STAGES] = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
+
+type Matrix3 = [[f64; 3]; 3];
+
+/// An RK4 stage in a rollout.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stage {
+    /// θ − θ_goal \[rad\].
+    pub distance: f64,
+    /// ω \[rad/s\].
+    pub velocity: f64,
+    /// ωr \[rad/s\].
+    pub reference_velocity: f64,
+    /// e \[rad·s\].
+    pub integral: f64,
+    /// τ (eq 21) \[N·m\].
+    pub torque: f64,
+    /// dg/dθ \[N·m/rad\].
+    pub slope: f64,
+    /// T \[A²\].
+    pub thermal_load: f64,
+}
+
+/// A trajectory in the true model: N intervals, N + 1 nodes.
+#[derive(Clone, Debug)]
+pub struct Rollout {
+    /// θ at the nodes \[N + 1\] \[rad\].
+    pub angle: Vec<f64>,
+    /// θr at the nodes \[N + 1\] \[rad\].
+    pub reference_angle: Vec<f64>,
+    /// ωr at the nodes \[N + 1\] \[rad/s\].
+    pub reference_velocity: Vec<f64>,
+    /// T at the nodes \[N + 1\] \[A²\].
+    pub thermal_load: Vec<f64>,
+    /// RK4 stages of the intervals \[N\].
+    pub stages: Vec<[Stage; STAGES]>,
+    /// Cost (eqs 24, 28) \[rad²·s\].
+    pub cost: f64,
+    /// Largest excess of T over its limit at the nodes after the first \[A²\].
+    pub excess: f64,
+    /// Sum of the excesses of T over its limit at the nodes after the first \[A²\].
+    pub total_excess: f64,
+}
+
+impl Rollout {
+    /// Space for a trajectory of `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        let nodes = || vec![0.0; horizon + 1];
+        Self {
+            angle: nodes(),
+            reference_angle: nodes(),
+            reference_velocity: nodes(),
+            thermal_load: nodes(),
+            stages: vec![[Stage::default(); STAGES]; horizon],
+            cost: 0.0,
+            excess: 0.0,
+            total_excess: 0.0,
+        }
+    }
+
+    /// Whether cost and trajectory are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        let nodes = [
+            &self.angle,
+            &self.reference_angle,
+            &self.reference_velocity,
+            &self.thermal_load,
+        ];
+        self.cost.is_finite() && nodes.iter().all(|node| node.iter().all(|x| x.is_finite()))
+    }
+}
+
+/// First derivatives of the cost along a rollout, e and T eliminated.
+#[derive(Clone, Debug)]
+pub struct Sensitivity {
+    /// ∂cost/∂(θr, ωr, u) of every interval \[N × 3\].
+    pub gradient: Vec<[f64; 3]>,
+    /// λ_j = ∂cost/∂(τ_j/Ki)² of every interval and stage \[N × 4\].
+    pub heat_price: Vec<[f64; STAGES]>,
+}
+
+impl Sensitivity {
+    /// Space for `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        Self {
+            gradient: vec![[0.0; 3]; horizon],
+            heat_price: vec![[0.0; STAGES]; horizon],
+        }
+    }
+}
+
+/// RK4 step of the thermal load (eqs 20, 24); row 5 is the step itself.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalStep {
+    /// α_j, and last a \[5\].
+    pub load: [f64; STAGES + 1],
+    /// γ_ji, and last w_i \[5 × 4\].
+    pub heat: [[f64; STAGES]; STAGES + 1],
+}
+
+impl ThermalStep {
+    /// The step of length κ·T_tc.
+    pub fn new(kappa: f64) -> Self {
+        // A stage is T + c·κ·(q − T) of the stage before; carry the coefficients of T and q_1..q_4.
+        let mut load = [1.0; STAGES + 1];
+        let mut heat = [[0.0; STAGES]; STAGES + 1];
+        for j in 1..STAGES {
+            let step = kappa * ELAPSED[j];
+            load[j] = 1.0 - step * load[j - 1];
+            heat[j] = heat[j - 1].map(|coefficient| -step * coefficient);
+            heat[j][j - 1] += step;
+        }
+        for (j, weight) in QUADRATURE.into_iter().enumerate() {
+            let step = kappa * weight;
+            load[STAGES] -= step * load[j];
+            for i in 0..STAGES {
+                heat[STAGES][i] -= step * heat[j][i];
+            }
+            heat[STAGES][j] += step;
+        }
+        Self { load, heat }
+    }
+
+    /// a: share of T that is left after a step.
+    pub fn decay(&self) -> f64 {
+        self.load[STAGES]
+    }
+
+    /// w_i: weight of (τ_i/Ki)² in the load after a step.
+    pub fn weights(&self) -> &[f64; STAGES] {
+        &self.heat[STAGES]
+    }
+}
+
+/// Stage values M_1..M_4 and step M_5 of dz/dt = F·z by RK4 (eq 24).
+fn deviation_step(problem: &Problem) -> [Matrix3; STAGES + 1] {
+    let (h, feedback) = (problem.period, &problem.feedback);
+    let gains = [
+        feedback.gain_angle,
+        feedback.gain_velocity,
+        feedback.gain_integral,
+    ];
+    let f: Matrix3 = [
+        [0.0, 1.0, 0.0],
+        gains.map(|gain| -gain / feedback.inertia),
+        [1.0, 0.0, 0.0],
+    ];
+    let identity: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut steps = [identity; STAGES + 1];
+    for j in 0..STAGES {
+        let slope: Matrix3 = std::array::from_fn(|r| {
+            std::array::from_fn(|c| (0..3).map(|i| f[r][i] * steps[j][i][c]).sum())
+        });
+        for r in 0..3 {
+            for c in 0..3 {
+                if j + 1 < STAGES {
+                    steps[j + 1][r][c] = identity[r][c] + h * ELAPSED[j + 1] * slope[r][c];
+                }
+                steps[STAGES][r][c] += h * QUADRATURE[j] * slope[r][c];
+            }
+        }
+    }
+    steps
+}
+
+/// The problem in numbers, for one start and goal at a time.
+#[derive(Clone, Debug)]
+pub struct Transcription {
+    problem: Problem,
+    thermal: ThermalStep,
+    deviation_step: [Matrix3; STAGES + 1],
+    initial: Initial,
+    goal: f64,
+    /// (θ−θr, ω−ωr) at the stages \[N × 4\].
+    deviation: Vec<[[f64; 2]; STAGES]>,
+    /// θ−θr at the nodes \[N + 1\].
+    node_deviation: Vec<f64>,
+    /// ω−ωr at the last node.
+    end_velocity_deviation: f64,
+}
+
+impl Transcription {
+    /// Transcribes `problem`; start and goal are zero until [`Self::set`].
+    pub fn new(problem: Problem) -> Self {
+        let horizon = problem.horizon;
+        Self {
+            thermal: ThermalStep::new(problem.period / problem.motor.thermal_time_constant),
+            deviation_step: deviation_step(&problem),
+            initial: Initial::default(),
+            goal: 0.0,
+            deviation: vec![[[0.0; 2]; STAGES]; horizon],
+            node_deviation: vec![0.0; horizon + 1],
+            end_velocity_deviation: 0.0,
+            problem,
+        }
+    }
+
+    /// The problem.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// The thermal load's step.
+    pub fn thermal(&self) -> &ThermalStep {
+        &self.thermal
+    }
+
+    /// The goal \[rad\].
+    pub fn goal(&self) -> f64 {
+        self.goal
+    }
+
+    /// The start.
+    pub fn initial(&self) -> &Initial {
+        &self.initial
+    }
+
+    /// Sets start and goal, and precomputes the deviation.
+    pub fn set(&mut self, initial: Initial, goal: f64) {
+        self.initial = initial;
+        self.goal = goal;
+        let mut z = [
+            initial.angle - initial.reference_angle,
+            initial.velocity - initial.reference_velocity,
+            initial.feedback_integral,
+        ];
+        let apply = |matrix: &Matrix3, z: [f64; 3]| -> [f64; 3] {
+            matrix.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
+        };
+        self.node_deviation[0] = z[0];
+        for (stages, node) in self.deviation.iter_mut().zip(&mut self.node_deviation[1..]) {
+            for (stage, matrix) in stages.iter_mut().zip(&self.deviation_step) {
+                let [angle, velocity, _] = apply(matrix, z);
+                *stage = [angle, velocity];
+            }
+            z = apply(&self.deviation_step[STAGES], z);
+            *node = z[0];
+        }
+        self.end_velocity_deviation = z[1];
+    }
+
+    /// (θr, ωr) at the end that put the arm to rest at the goal (eq 27) \[rad, rad/s\].
+    pub fn terminal_reference(&self) -> [f64; 2] {
+        let horizon = self.problem.horizon;
+        [
+            self.goal - self.node_deviation[horizon],
+            -self.end_velocity_deviation,
+        ]
+    }
+
+    /// Spectral radius of the deviation's step: above 1 RK4 lets the tracking error grow.
+    pub fn deviation_growth(&self) -> f64 {
+        let step = &self.deviation_step[STAGES];
+        nalgebra::Matrix3::from_fn(|r, c| step[r][c])
+            .complex_eigenvalues()
+            .iter()
+            .map(|eigenvalue| eigenvalue.norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Follows `moves` u \[N\] through the true model (eqs 22, 24, 28).
+    pub fn roll_out(&self, moves: &[f64], rollout: &mut Rollout) {
+        self.follow(moves, rollout);
+        self.heat(moves, rollout);
+    }
+
+    /// All but the thermal load: nodes, stages and the cost without q_T.
+    pub fn follow(&self, moves: &[f64], rollout: &mut Rollout) {
+        let (h, weights) = (self.problem.period, &self.problem.weights);
+        let (mut angle, mut velocity) = (
+            self.initial.reference_angle,
+            self.initial.reference_velocity,
+        );
+        let mut integral = self.initial.integral;
+        rollout.reference_angle[0] = angle;
+        rollout.reference_velocity[0] = velocity;
+        rollout.angle[0] = self.initial.angle;
+        rollout.cost = 0.0;
+        for (k, &u) in moves.iter().enumerate() {
+            let stages = &mut rollout.stages[k];
+            let mut increment = 0.0;
+            for j in 0..STAGES {
+                let [angle_deviation, velocity_deviation] = self.deviation[k][j];
+                let time = ELAPSED[j] * h;
+                let seen = if j == 0 { 0.0 } else { stages[j - 1].distance };
+                let reference_velocity = velocity + time * u;
+                let stage = &mut stages[j];
+                stage.distance =
+                    angle + time * velocity + CURVED[j] * h * h * u + angle_deviation - self.goal;
+                stage.reference_velocity = reference_velocity;
+                stage.velocity = reference_velocity + velocity_deviation;
+                stage.integral = integral + time * seen;
+                increment += QUADRATURE[j] * h * stage.distance;
+                rollout.cost += QUADRATURE[j]
+                    * h
+                    * (weights.angle * stage.distance * stage.distance
+                        + weights.velocity * stage.velocity * stage.velocity
+                        + weights.integral * stage.integral * stage.integral
+                        + weights.acceleration * u * u);
+            }
+            integral += increment;
+            angle += h * velocity + 0.5 * h * h * u;
+            velocity += h * u;
+            rollout.reference_angle[k + 1] = angle;
+            rollout.reference_velocity[k + 1] = velocity;
+            rollout.angle[k + 1] = angle + self.node_deviation[k + 1];
+        }
+    }
+
+    /// The thermal load along a rollout whose other states are known, and its cost (eqs 20, 21).
+    fn heat(&self, moves: &[f64], rollout: &mut Rollout) {
+        let Problem { arm, motor, .. } = &self.problem;
+        let price = self.problem.weights.thermal * self.problem.period;
+        let limit = self.problem.thermal_limit.unwrap_or(f64::INFINITY);
+        let mut load = self.initial.thermal_load;
+        rollout.thermal_load[0] = load;
+        (rollout.excess, rollout.total_excess) = (0.0, 0.0);
+        for (k, &u) in moves.iter().enumerate() {
+            let mut squares = [0.0; STAGES];
+            for (stage, square) in rollout.stages[k].iter_mut().zip(&mut squares) {
+                let [torque, slope, _] =
+                    arm.position_torque_derivatives(stage.distance + self.goal);
+                stage.torque = torque + arm.damping * stage.reference_velocity + arm.inertia * u;
+                stage.slope = slope;
+                *square = (stage.torque / motor.torque_constant).powi(2);
+            }
+            let step = |j: usize| {
+                let heat = self.thermal.heat[j].iter().zip(&squares);
+                self.thermal.load[j] * load + heat.map(|(w, q)| w * q).sum::<f64>()
+            };
+            for (j, stage) in rollout.stages[k].iter_mut().enumerate() {
+                stage.thermal_load = step(j);
+                rollout.cost += price * QUADRATURE[j] * stage.thermal_load * stage.thermal_load;
+            }
+            load = step(STAGES);
+            rollout.thermal_load[k + 1] = load;
+            let excess = (load - limit).max(0.0);
+            rollout.excess = rollout.excess.max(excess);
+            rollout.total_excess += excess;
+        }
+    }
+
+    /// ∂cost/∂(θr, ωr, u) and the price of heat along `rollout` of `moves`.
+    pub fn differentiate(&self, moves: &[f64], rollout: &Rollout, out: &mut Sensitivity) {
+        let (h, weights) = (self.problem.period, &self.problem.weights);
+        let (mut integral_price, mut load_price) = (0.0, 0.0);
+        for k in (0..self.problem.horizon).rev() {
+            let stages = &rollout.stages[k];
+            let quadrature = QUADRATURE.map(|weight| 2.0 * weight * h);
+
+            // Thermal load: price of T_j in the cost, then of q_i and of T at the start.
+            let direct: [f64; STAGES] = std::array::from_fn(|j| {
+                quadrature[j] * weights.thermal * stages[j].thermal_load
+            });
+            let prices = [direct[0], direct[1], direct[2], direct[3], load_price];
+            let heat_price = std::array::from_fn(|i| {
+                (0..=STAGES)
+                    .map(|j| prices[j] * self.thermal.heat[j][i])
+                    .sum()
+            });
+            load_price = (0..=STAGES)
+                .map(|j| prices[j] * self.thermal.load[j])
+                .sum();
+
+            // Integral: e_j sees the distance of the stage before, e⁺ all of them.
+            let integral: [f64; STAGES] =
+                std::array::from_fn(|j| quadrature[j] * weights.integral * stages[j].integral);
+            let mut gradient = [0.0; 3];
+            for j in 0..STAGES {
+                let stage = &stages[j];
+                let mut distance = quadrature[j] * weights.angle * stage.distance
+                    + integral_price * QUADRATURE[j] * h;
+                if j + 1 < STAGES {
+                    distance += integral[j + 1] * ELAPSED[j + 1] * h;
+                }
+                let torque = heat_price[j] * 2.0 * stage.torque
+                    / (self.problem.motor.torque_constant * self.problem.motor.torque_constant);
+                let velocity = quadrature[j] * weights.velocity * stage.velocity;
+                let time = ELAPSED[j] * h;
+                let of_torque = self.torque_gradient(stage, j);
+                gradient[0] += distance + torque * of_torque[0];
+                gradient[1] += distance * time + velocity + torque * of_torque[1];
+                gradient[2] += distance * CURVED[j] * h * h
+                    + velocity * time
+                    + quadrature[j] * weights.acceleration * moves[k]
+                    + torque * of_torque[2];
+            }
+            integral_price += integral.iter().sum::<f64>();
+            out.gradient[k] = gradient;
+            out.heat_price[k] = heat_price;
+        }
+    }
+
+    /// ∂τ_j/∂(θr, ωr, u) of a stage, g linearised at the stage (eq 21).
+    pub fn torque_gradient(&self, stage: &Stage, j: usize) -> [f64; 3] {
+        let (h, arm) = (self.problem.period, &self.problem.arm);
+        let time = ELAPSED[j] * h;
+        [
+            stage.slope,
+            stage.slope * time + arm.damping,
+            stage.slope * CURVED[j] * h * h + arm.damping * time + arm.inertia,
+        ]
+    }
+}

@@ -1,0 +1,77 @@
+//! The plan without inequalities: the optimum in closed form, the yardstick and first guess of every
+//! solver, and the final answer wherever it keeps the limits.
+//!
+//! Without q_T the cost is a quadratic form ½·cᵀHc + … of the free coefficients with a constant H, so
+//! one Newton step is exact. With q_T the step is repeated with the true gradient and the same H, which
+//! q_T·T² hardly bends, until the cost settles.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::spline::{Spline, gather};
+use super::transcription::{Rollout, Sensitivity, Transcription};
+
+/// Steps after which a cost that does not settle is left to the solver.
+const MAX_STEPS: usize = 12;
+/// Decrease expected of a step, relative to the cost, after which the cost has settled.
+const SETTLED: f64 = 1e-9;
+
+/// Minimiser of the cost subject to dynamics and terminal rest alone.
+#[derive(Clone, Debug)]
+pub struct Unconstrained {
+    factor: Cholesky<f64, Dyn>,
+    spline: Spline,
+    step: DVector<f64>,
+    sensitivity: Sensitivity,
+}
+
+impl Unconstrained {
+    /// Factorises the Hessian `hessian` of the free coefficients; none if it is not positive definite.
+    pub fn new(transcription: &Transcription, hessian: &DMatrix<f64>) -> Option<Self> {
+        let problem = transcription.problem();
+        Some(Self {
+            factor: Cholesky::new(hessian.clone())?,
+            spline: Spline::new(problem.horizon, problem.period),
+            step: DVector::zeros(problem.horizon - 2),
+            sensitivity: Sensitivity::new(problem.horizon),
+        })
+    }
+
+    /// Writes the optimum's `moves` \[N\] and their `rollout`; whether the cost settled.
+    pub fn solve(
+        &mut self,
+        transcription: &Transcription,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+    ) -> bool {
+        let period = transcription.problem().period;
+        let exact_in_one = transcription.problem().weights.thermal == 0.0;
+        self.spline.free().fill(transcription.goal());
+        self.spline.fix_ends(transcription);
+        self.spline.moves(moves);
+        transcription.roll_out(moves, rollout);
+        for _ in 0..MAX_STEPS {
+            transcription.differentiate(moves, rollout, &mut self.sensitivity);
+            gather(period, &self.sensitivity, self.step.as_mut_slice());
+            let decrease = 0.5 * self.newton_step();
+            for (c, step) in self.spline.free().iter_mut().zip(self.step.iter()) {
+                *c -= step;
+            }
+            self.spline.moves(moves);
+            transcription.roll_out(moves, rollout);
+            if exact_in_one || decrease <= SETTLED * rollout.cost {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Turns the gradient g in `step` into H⁻¹g; gᵀH⁻¹g, twice the decrease of the cost to expect.
+    fn newton_step(&mut self) -> f64 {
+        // With H = L·Lᵀ: gᵀH⁻¹g = ‖L⁻¹g‖².
+        let lower = self.factor.l_dirty();
+        lower.solve_lower_triangular_mut(&mut self.step);
+        let decrement = self.step.norm_squared();
+        lower.tr_solve_lower_triangular_mut(&mut self.step);
+        decrement
+    }
+}
