@@ -1,0 +1,398 @@
+//! What the host needs to know of a `modelDescription.xml`, the same for FMI 2.0 and 3.0.
+//!
+//! The files of both versions are parsed and validated by `fmi-rs`; [`super::fmi2_description`] and
+//! [`super::fmi3_description`] translate. Scalars are addressed by name: an array `a` of FMI 3.0 has the
+//! elements `a[1]`, `a[2]`, … (`a[1,2]` in two dimensions), which is how FMI 2.0 spells them too.
+
+use super::value::{Kind, Value};
+use std::collections::HashMap;
+use std::fmt;
+
+/// Major version of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    V2,
+    /// FMI 3.0.
+    V3,
+}
+
+/// Role of a variable (FMI 3.0 sec 2.4.7.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the names are the standard's")]
+pub enum Causality {
+    Independent,
+    Parameter,
+    StructuralParameter,
+    CalculatedParameter,
+    Input,
+    Output,
+    Local,
+}
+
+impl fmt::Display for Causality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Independent => "independent variable",
+            Self::Parameter => "parameter",
+            Self::StructuralParameter => "structural parameter",
+            Self::CalculatedParameter => "calculated parameter",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Local => "local variable",
+        })
+    }
+}
+
+/// One item of an enumeration.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: i64,
+}
+
+/// One variable: a scalar, or an array of FMI 3.0.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Name, without subscripts if it is an array.
+    pub name: String,
+    /// Value reference.
+    pub reference: u32,
+    /// Type.
+    pub kind: Kind,
+    /// Role.
+    pub causality: Causality,
+    /// Whether it never changes after initialisation (variability constant or fixed).
+    pub constant: bool,
+    /// Whether the importer may set a value before initialisation.
+    pub settable: bool,
+    /// Unit, if one is declared.
+    pub unit: Option<String>,
+    /// Smallest admissible value, if one is declared.
+    pub min: Option<f64>,
+    /// Largest admissible value, if one is declared.
+    pub max: Option<f64>,
+    /// Start values as they are written: one for each element, one for all, or none.
+    pub start: Vec<String>,
+    /// Size of each dimension; empty for a scalar.
+    pub dimensions: Vec<usize>,
+    /// Description.
+    pub description: String,
+    /// Items of an enumeration.
+    pub items: Vec<Item>,
+}
+
+impl Variable {
+    /// Number of elements; 1 for a scalar.
+    pub fn length(&self) -> usize {
+        self.dimensions.iter().product()
+    }
+
+    /// The declared start value of an element.
+    pub fn start_of(&self, element: usize) -> Option<Value> {
+        let text = match self.start.as_slice() {
+            [one] => one,
+            many => many.get(element)?,
+        };
+        Value::parse(text, self).ok()
+    }
+
+    /// The range for messages, like `[0, 1] rad`.
+    pub fn range(&self) -> String {
+        let bound =
+            |bound: Option<f64>, open: &str| bound.map_or(open.to_owned(), |b| b.to_string());
+        let unit = self
+            .unit
+            .as_deref()
+            .map_or(String::new(), |u| format!(" {u}"));
+        format!(
+            "[{}, {}]{unit}",
+            bound(self.min, "-inf"),
+            bound(self.max, "inf")
+        )
+    }
+}
+
+/// One scalar of a [`Description`]: a variable and an element of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Scalar {
+    /// Index into [`Description::variables`].
+    pub variable: usize,
+    /// Element, from 0, in row-major order; 0 for a scalar variable.
+    pub element: usize,
+}
+
+/// What the host uses of Co-Simulation.
+#[derive(Clone, Debug, Default)]
+#[allow(missing_docs, reason = "the names are the standard's")]
+pub struct CoSimulation {
+    pub model_identifier: String,
+    pub needs_execution_tool: bool,
+    pub can_be_instantiated_only_once_per_process: bool,
+    pub can_get_and_set_state: bool,
+    pub can_serialize_state: bool,
+    pub can_handle_variable_step: bool,
+    pub fixed_internal_step: Option<f64>,
+    pub has_event_mode: bool,
+}
+
+/// Default experiment, as far as it is declared \[s\].
+#[derive(Clone, Copy, Debug, Default)]
+#[allow(missing_docs, reason = "the names are the standard's")]
+pub struct DefaultExperiment {
+    pub start_time: Option<f64>,
+    pub stop_time: Option<f64>,
+    pub tolerance: Option<f64>,
+    pub step_size: Option<f64>,
+}
+
+/// What an FMU says of itself.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names are the standard's")]
+pub struct Description {
+    pub version: Version,
+    pub fmi_version: String,
+    pub model_name: String,
+    /// `guid` in FMI 2.0, `instantiationToken` in 3.0.
+    pub token: String,
+    pub description: String,
+    pub model_version: String,
+    pub author: String,
+    pub license: String,
+    pub generation_tool: String,
+    pub generation_date: String,
+    pub model_exchange: bool,
+    pub scheduled_execution: bool,
+    pub co_simulation: Option<CoSimulation>,
+    pub default_experiment: DefaultExperiment,
+    pub log_categories: Vec<String>,
+    pub variables: Vec<Variable>,
+    /// What its validation found. Shown, not refused: vendors' files are rarely spotless.
+    pub problems: Vec<String>,
+    pub(super) index: HashMap<String, usize>,
+}
+
+/// Why a name is no scalar of an FMU.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NameError {
+    /// No variable has the name; the most similar names that exist.
+    Unknown {
+        /// At most three.
+        similar: Vec<String>,
+    },
+    /// The name is that of an array: its elements can be addressed.
+    Array {
+        /// Name of the first element.
+        first: String,
+        /// Name of the last element.
+        last: String,
+    },
+}
+
+impl Description {
+    /// The scalar called `name`.
+    pub fn scalar(&self, name: &str) -> Result<Scalar, NameError> {
+        if let Some(&variable) = self.index.get(name) {
+            let dimensions = &self.variables[variable].dimensions;
+            if dimensions.is_empty() {
+                return Ok(Scalar {
+                    variable,
+                    element: 0,
+                });
+            }
+            let last: Vec<_> = dimensions.iter().map(usize::to_string).collect();
+            return Err(NameError::Array {
+                first: format!("{name}[{}]", vec!["1"; dimensions.len()].join(",")),
+                last: format!("{name}[{}]", last.join(",")),
+            });
+        }
+        self.element(name).ok_or_else(|| NameError::Unknown {
+            similar: similar(name, self.variables.iter().map(|v| v.name.as_str())),
+        })
+    }
+
+    /// An array element `base[i,j]`, subscripts from 1.
+    fn element(&self, name: &str) -> Option<Scalar> {
+        let (base, subscripts) = name.strip_suffix(']')?.rsplit_once('[')?;
+        let &variable = self.index.get(base)?;
+        let dimensions = &self.variables[variable].dimensions;
+        let subscripts: Vec<usize> = subscripts
+            .split(',')
+            .map(|s| s.trim().parse().ok())
+            .collect::<Option<_>>()?;
+        if dimensions.is_empty() || subscripts.len() != dimensions.len() {
+            return None;
+        }
+        let mut element = 0;
+        for (subscript, size) in subscripts.into_iter().zip(dimensions) {
+            if subscript == 0 || subscript > *size {
+                return None;
+            }
+            element = element * size + subscript - 1;
+        }
+        Some(Scalar { variable, element })
+    }
+
+    /// Name of a scalar, with subscripts for an element of an array.
+    pub fn name_of(&self, scalar: Scalar) -> String {
+        let variable = &self.variables[scalar.variable];
+        let mut rest = scalar.element;
+        let mut subscripts: Vec<String> = Vec::new();
+        for size in variable.dimensions.iter().rev() {
+            subscripts.push((rest % size + 1).to_string());
+            rest /= size;
+        }
+        if subscripts.is_empty() {
+            return variable.name.clone();
+        }
+        subscripts.reverse();
+        format!("{}[{}]", variable.name, subscripts.join(","))
+    }
+
+    /// The variable that a scalar belongs to.
+    pub fn variable(&self, scalar: Scalar) -> &Variable {
+        &self.variables[scalar.variable]
+    }
+
+    /// The declared start value of the scalar called `name`.
+    pub fn start(&self, name: &str) -> Option<Value> {
+        let scalar = self.scalar(name).ok()?;
+        self.variable(scalar).start_of(scalar.element)
+    }
+
+    /// All scalar variables of numeric type with the given causality. Arrays are left out.
+    pub fn numeric_scalars(&self, causality: Causality) -> impl Iterator<Item = Scalar> {
+        self.variables
+            .iter()
+            .enumerate()
+            .filter(move |(_, v)| {
+                v.causality == causality && v.dimensions.is_empty() && v.kind.is_numeric()
+            })
+            .map(|(variable, _)| Scalar {
+                variable,
+                element: 0,
+            })
+    }
+
+    /// Names of the variables with the given causality.
+    pub fn names(&self, causality: Causality) -> Vec<&str> {
+        self.variables
+            .iter()
+            .filter(|v| v.causality == causality)
+            .map(|v| v.name.as_str())
+            .collect()
+    }
+}
+
+/// At most three of `names` that resemble `name`, the most similar first.
+pub(crate) fn similar<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut scored: Vec<_> = names
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(score, _)| *score > 0.8)
+        .collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    scored
+        .into_iter()
+        .take(3)
+        .map(|(_, n)| n.to_owned())
+        .collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A description with the given variables, for tests elsewhere too.
+    pub(crate) fn description(variables: Vec<Variable>) -> Description {
+        let index = variables
+            .iter()
+            .enumerate()
+            .map(|(i, v)| (v.name.clone(), i))
+            .collect();
+        Description {
+            version: Version::V3,
+            fmi_version: "3.0".into(),
+            model_name: "m".into(),
+            token: String::new(),
+            description: String::new(),
+            model_version: String::new(),
+            author: String::new(),
+            license: String::new(),
+            generation_tool: String::new(),
+            generation_date: String::new(),
+            model_exchange: false,
+            scheduled_execution: false,
+            co_simulation: Some(CoSimulation::default()),
+            default_experiment: DefaultExperiment::default(),
+            log_categories: Vec::new(),
+            variables,
+            problems: Vec::new(),
+            index,
+        }
+    }
+
+    pub(crate) fn variable(name: &str, causality: Causality) -> Variable {
+        Variable {
+            name: name.into(),
+            reference: 0,
+            kind: Kind::Float64,
+            causality,
+            constant: false,
+            settable: matches!(causality, Causality::Parameter | Causality::Input),
+            unit: None,
+            min: None,
+            max: None,
+            start: Vec::new(),
+            dimensions: Vec::new(),
+            description: String::new(),
+            items: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn elements_are_addressed_in_row_major_order() {
+        let mut array = variable("a", Causality::Parameter);
+        array.dimensions = vec![2, 3];
+        let d = description(vec![variable("b", Causality::Input), array]);
+        let scalar = |variable, element| Ok(Scalar { variable, element });
+        assert_eq!(d.scalar("b"), scalar(0, 0));
+        assert_eq!(d.scalar("a[1,1]"), scalar(1, 0));
+        assert_eq!(d.scalar("a[2,1]"), scalar(1, 3));
+        assert_eq!(d.scalar("a[2, 3]"), scalar(1, 5));
+        for wrong in [
+            "a[0,1]", "a[3,1]", "a[1]", "a[1,1,1]", "a[x,1]", "b[1]", "c",
+        ] {
+            assert!(
+                matches!(d.scalar(wrong), Err(NameError::Unknown { .. })),
+                "{wrong}"
+            );
+        }
+        assert!(matches!(d.scalar("a"), Err(NameError::Array { .. })));
+        for element in 0..6 {
+            let scalar = Scalar {
+                variable: 1,
+                element,
+            };
+            assert_eq!(d.scalar(&d.name_of(scalar)), Ok(scalar));
+        }
+    }
+
+    #[test]
+    fn similar_names_are_suggested() {
+        let names = ["nmpc.horizon", "nmpc.period", "arm.inertia"];
+        assert_eq!(similar("nmpc.horizn", names.into_iter())[0], "nmpc.horizon");
+        assert!(similar("zzz", names.into_iter()).is_empty());
+    }
+
+    #[test]
+    fn one_start_value_serves_all_elements() {
+        let mut array = variable("a", Causality::Parameter);
+        array.dimensions = vec![2];
+        array.start = vec!["4".into()];
+        assert_eq!(array.start_of(1), Some(Value::Float(4.0)));
+        array.start = vec!["4".into(), "5".into()];
+        assert_eq!(array.start_of(1), Some(Value::Float(5.0)));
+    }
+}
