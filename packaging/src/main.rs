@@ -1,2 +1,71 @@
-//! Placeholder.
-fn main() {}
+//! `cargo xtask`: builds, packages, documents, demonstrates and tests the FMUs.
+//!
+//! Needs nothing but cargo (and, for `test`, Python). Knows the units only as crates that build a
+//! shared library and as model descriptions; runs them with the `flexarm` host like any user.
+
+mod archive;
+mod cargo;
+mod demo;
+mod fmu;
+mod licences;
+mod package;
+mod page;
+mod parameters;
+mod platform;
+mod test;
+mod workspace;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use workspace::Workspace;
+
+/// Builds, packages, demonstrates and tests the FMUs of the flexure arm.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+#[command(after_help = "\
+Start with `cargo xtask demo`: it builds everything, runs the controller against the arm and says where
+the report is. The FMUs are then in dist/fmi2 and dist/fmi3, the parameter sets in dist/parameters; drop the
+FMUs into your tool and connect torque and angle.")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build both units and write the FMUs and parameter sets to dist/
+    ///
+    /// Writes dist/fmi2/*.fmu, dist/fmi3/*.fmu (the same binaries, described for each version of the
+    /// standard) and dist/parameters/*.ssv. Equal inputs give equal bytes.
+    Package,
+    /// Package, then simulate 20 s of setpoints on the T-flex and write a report
+    ///
+    /// The report is dist/demo/report.html, the result beside it; packaging/assets/tflex-setpoints.csv
+    /// holds the setpoints.
+    Demo,
+    /// Run all tests: Rust, packaging, and independent FMI tools in Python
+    ///
+    /// Makes a Python environment in target/venv with what tests/requirements.txt pins. Stops at the
+    /// first step that fails.
+    Test {
+        /// Arguments for pytest, after `--`: for example `-- -k snapshots`
+        #[arg(last = true)]
+        pytest: Vec<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = Workspace::find().and_then(|workspace| match arguments.command {
+        Command::Package => package::run(&workspace),
+        Command::Demo => demo::run(&workspace),
+        Command::Test { pytest } => test::run(&workspace, &pytest),
+    });
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! `cargo xtask package`: from sources to `dist/`.
+
+use crate::archive::write_whole;
+use crate::fmu::{Content, Version};
+use crate::licences::Licences;
+use crate::platform::Platform;
+use crate::workspace::{Workspace, announce};
+use crate::{cargo, page, parameters};
+use model_description::ModelDescription;
+use std::fs;
+
+/// A unit: its crate and its contract.
+struct Unit {
+    package: &'static str,
+    contract: &'static str,
+    /// Name of its icon and text in `assets/`.
+    art: &'static str,
+}
+
+const UNITS: [Unit; 2] = [
+    Unit {
+        package: "flexarm-fmu-plant",
+        contract: "modelDescription/plant.xml",
+        art: "plant",
+    },
+    Unit {
+        package: "flexarm-fmu-controller",
+        contract: "modelDescription/controller.xml",
+        art: "controller",
+    },
+];
+
+/// Builds both units and writes the FMUs and the parameter sets.
+pub fn run(workspace: &Workspace) -> Result<(), String> {
+    announce("Checking the contracts and writing the parameter sets");
+    let mut descriptions = Vec::new();
+    for unit in &UNITS {
+        let text = workspace.read(unit.contract)?;
+        descriptions
+            .push(model_description::read(&text, unit.contract).map_err(parameters::lines)?);
+    }
+    parameters::write(workspace, &descriptions)?;
+
+    announce("Building both units");
+    for content in contents(workspace, descriptions)? {
+        for path in write(workspace, &content)? {
+            eprintln!("{path}");
+        }
+    }
+    Ok(())
+}
+
+fn contents(
+    workspace: &Workspace,
+    descriptions: Vec<ModelDescription>,
+) -> Result<Vec<Content>, String> {
+    let platform = Platform::host()?;
+    let packages: Vec<_> = UNITS.iter().map(|u| u.package).collect();
+    let built = cargo::build(workspace, &packages)?;
+    let mut contents = Vec::new();
+    for (unit, description) in UNITS.iter().zip(descriptions) {
+        let name = &description.name;
+        let library = built
+            .get(name)
+            .ok_or_else(|| format!("{} built no shared library called {name}", unit.package))?;
+        let binary = fs::read(library).map_err(|e| format!("{}: {e}", library.display()))?;
+        let art =
+            |kind: &str| workspace.read_bytes(&format!("packaging/assets/{}.{kind}", unit.art));
+        contents.push(Content {
+            binaries: vec![(platform, binary)],
+            licences: Licences::collect(workspace, platform, unit.package)?,
+            page: page::write(workspace, &description, unit.art, "")?,
+            icon_png: art("png")?,
+            icon_svg: art("svg")?,
+            description,
+        });
+    }
+    Ok(contents)
+}
+
+/// Writes the FMU of each version; returns their paths in the project.
+fn write(workspace: &Workspace, content: &Content) -> Result<Vec<String>, String> {
+    let mut paths = Vec::new();
+    for version in Version::ALL {
+        let path = format!("dist/{}/{}.fmu", version.folder(), content.description.name);
+        write_whole(
+            &workspace.path(&path),
+            &content.archive(version).to_bytes()?,
+        )?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
