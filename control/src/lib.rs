@@ -12,6 +12,7 @@
 //! This crate knows neither simulator nor interface: no I/O and no clock, and everything that a sample
 //! needs is allocated at set-up. "eq n" and "sec n" point into the paper, as in [`arm`].
 
+mod controller;
 pub mod feedback;
 pub mod feedforward;
 mod lowpass;
@@ -19,5 +20,7 @@ pub mod nmpc;
 pub mod profile;
 mod reference;
 pub mod riccati;
+mod sets;
 
+pub use controller::{Command, Controller, ReferenceSource, Settings, State};
 pub use reference::Reference;

@@ -17,7 +17,7 @@ pub struct Profile {
 }
 
 /// The motion under way.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Where it starts \[rad\].
     start: f64,

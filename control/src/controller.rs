@@ -1,0 +1,354 @@
+//! One sample of the controller: a measured angle and a setpoint in, a motor torque out.
+
+use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal};
+use serde::{Deserialize, Serialize};
+
+use crate::feedback::{self, Feedback};
+use crate::nmpc::planner::{Plan, PlanStatus, Planner, PlannerState};
+use crate::nmpc::problem::{FeedbackModel, Initial};
+use crate::nmpc::settings;
+use crate::profile::{self, Profile};
+use crate::{Reference, feedforward};
+
+/// Angles beyond this \[rad\] are as good as not a number: no arm turns 10⁵ times.
+const LARGEST_ANGLE: f64 = 1e6;
+
+/// Who makes the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReferenceSource {
+    /// The nonlinear model predictive controller (sec 3.2.3).
+    Nmpc,
+    /// The third-order profile (sec 4.2).
+    Profile,
+}
+
+/// Set-up of a controller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The arm as the controller knows it.
+    pub arm: Parameters,
+    /// The motor.
+    pub motor: Motor,
+    /// Hard limits of the joint.
+    pub limits: Limits,
+    /// Period Δ between two samples \[s\].
+    pub sample_period: f64,
+    /// Thermal load at the start \[A²\].
+    pub initial_thermal_load: f64,
+    /// Who makes the reference.
+    pub reference: ReferenceSource,
+    /// Peak acceleration of the profile \[rad/s²\] (eq 35).
+    pub profile_max_acceleration: f64,
+    /// The planner.
+    pub nmpc: settings::Settings,
+    /// The feedback.
+    pub feedback: feedback::Settings,
+}
+
+/// Result of one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// Torque asked of the motor, within its peak \[N·m\].
+    pub torque: f64,
+    /// Current that gives the torque \[A\].
+    pub current: f64,
+    /// Reference of this sample.
+    pub reference: Reference,
+    /// Part of the torque from feedforward and computed torque \[N·m\].
+    pub feedforward_torque: f64,
+    /// Part of the torque from the feedback \[N·m\].
+    pub feedback_torque: f64,
+    /// Thermal load at this sample, reckoned from the torques so far \[A²\].
+    pub thermal_load: f64,
+    /// How the plan in use came to be.
+    pub plan_status: PlanStatus,
+    /// Whether a plan was made at this sample.
+    pub new_plan: bool,
+    /// Whether an input was not usable and the last good command is held.
+    pub measurement_held: bool,
+}
+
+/// Everything that changes while a controller runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Samples taken.
+    samples: u64,
+    /// Samples taken up to and including the last usable measurement; 0 before the first.
+    measured: u64,
+    /// Last usable measured angle \[rad\].
+    angle: f64,
+    /// Number of the plan period with which the next plan is due.
+    next_plan: u64,
+    /// How the plan in force came to be.
+    plan_status: PlanStatus,
+    /// Reference of the next sample, with the move in force.
+    reference: Reference,
+    /// Rest point of the plan in force, or the setpoint \[rad\].
+    goal: f64,
+    /// e, integral of the distance to the goal \[rad·s\] (eq 22).
+    integral: f64,
+    /// z of the Dahl hysteresis (eq 13).
+    hysteresis: f64,
+    /// T \[A²\] (eq 20).
+    thermal_load: f64,
+    feedback: feedback::State,
+    profile: profile::State,
+    planner: PlannerState,
+    command: Command,
+}
+
+/// The controller of sec 3.2.
+pub struct Controller {
+    arm: Parameters,
+    motor: Motor,
+    sample_period: f64,
+    /// Samples in a plan period; need not be a whole number.
+    samples_per_plan: f64,
+    source: ReferenceSource,
+    feedback: Feedback,
+    profile: Profile,
+    planner: Planner,
+    state: State,
+}
+
+impl Controller {
+    /// Sets a controller up and allocates all that it needs.
+    ///
+    /// # Errors
+    /// Every setting that is not admissible.
+    pub fn new(settings: &Settings) -> Result<Self, Vec<Inadmissible>> {
+        let Settings {
+            arm,
+            motor,
+            limits,
+            sample_period,
+            initial_thermal_load,
+            reference,
+            profile_max_acceleration,
+            nmpc,
+            feedback,
+        } = settings;
+        let mut errors = Vec::new();
+        arm.validate(&mut errors);
+        motor.validate(&mut errors);
+        limits.validate(&mut errors);
+        validate_own(settings, &mut errors);
+        let feedback = Feedback::new(feedback, *sample_period)
+            .map_err(|reasons| errors.extend(reasons))
+            .ok();
+        let (Some(feedback), true) = (feedback, errors.is_empty()) else {
+            return Err(errors);
+        };
+        let model = FeedbackModel {
+            inertia: settings.feedback.inertia,
+            gain_angle: feedback.gains.angle,
+            gain_velocity: feedback.gains.velocity,
+            gain_integral: feedback.gains.integral,
+        };
+        let planner = Planner::new(nmpc, arm, motor, limits, &model)?;
+        let state = State {
+            samples: 0,
+            measured: 0,
+            angle: 0.0,
+            next_plan: 0,
+            plan_status: PlanStatus::Idle,
+            reference: Reference::default(),
+            goal: 0.0,
+            integral: 0.0,
+            hysteresis: 0.0,
+            thermal_load: *initial_thermal_load,
+            feedback: feedback::State::default(),
+            profile: profile::State::default(),
+            planner: planner.state().clone(),
+            command: Command::default(),
+        };
+        Ok(Self {
+            arm: *arm,
+            motor: *motor,
+            sample_period: *sample_period,
+            samples_per_plan: whole_if_close(nmpc.period / sample_period),
+            source: *reference,
+            feedback,
+            profile: Profile {
+                max_acceleration: *profile_max_acceleration,
+                sample_period: *sample_period,
+            },
+            planner,
+            state,
+        })
+    }
+
+    /// Takes one sample: `angle` measured and `setpoint` wanted \[rad\].
+    ///
+    /// The first sample sets the reference to rest at the measured angle. If an input is not a usable
+    /// number, the last good command is held: time and thermal load go on, all else waits.
+    pub fn sample(&mut self, angle: f64, setpoint: f64) -> Command {
+        let usable = |input: f64| input.abs() <= LARGEST_ANGLE;
+        if usable(angle) && usable(setpoint) {
+            self.control(angle, setpoint);
+        } else {
+            self.state.command = Command {
+                thermal_load: self.state.thermal_load,
+                plan_status: PlanStatus::MeasurementHeld,
+                new_plan: false,
+                measurement_held: true,
+                ..self.state.command
+            };
+        }
+        let state = &mut self.state;
+        state.samples += 1;
+        state.thermal_load = thermal::update(
+            &self.motor,
+            state.thermal_load,
+            state.command.torque,
+            self.sample_period,
+        );
+        state.command
+    }
+
+    /// Everything that changes while the controller runs.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes back to a state of a controller with the same settings; what follows is equal to the bit.
+    /// [`Controller::plan`] is not brought back.
+    pub fn set_state(&mut self, state: &State) {
+        self.state.clone_from(state);
+        self.planner.set_state(&state.planner);
+    }
+
+    /// Samples taken so far, held ones included.
+    pub fn samples(&self) -> u64 {
+        self.state.samples
+    }
+
+    /// The latest plan.
+    pub fn plan(&self) -> &Plan {
+        self.planner.latest()
+    }
+
+    /// The sample, once its inputs are known to be usable.
+    fn control(&mut self, angle: f64, setpoint: f64) {
+        let velocity = self.measure(angle, setpoint);
+        let mut new_plan = false;
+        match self.source {
+            ReferenceSource::Nmpc => {
+                new_plan = self.plan_is_due();
+                if new_plan {
+                    self.plan_from(angle, velocity, setpoint);
+                }
+            }
+            ReferenceSource::Profile => {
+                let state = &mut self.state;
+                state.reference = self.profile.sample(&mut state.profile, setpoint);
+                state.goal = setpoint;
+            }
+        }
+        let state = &mut self.state;
+        let reference = state.reference;
+        let feedback_torque = self.feedback.sample(
+            &mut state.feedback,
+            angle - reference.angle,
+            velocity - reference.velocity,
+        );
+        let feedforward_torque =
+            feedforward::torque(&self.arm, angle, state.hysteresis, &reference);
+        let torque = self.motor.saturate(feedforward_torque + feedback_torque);
+        state.command = Command {
+            torque,
+            current: torque / self.motor.torque_constant,
+            reference,
+            feedforward_torque,
+            feedback_torque,
+            thermal_load: state.thermal_load,
+            plan_status: state.plan_status,
+            new_plan,
+            measurement_held: false,
+        };
+        state.reference = reference.advanced(self.sample_period);
+        state.integral += (angle - state.goal) * self.sample_period;
+    }
+
+    /// Takes a usable measurement in; returns the velocity \[rad/s\], the unfiltered difference (sec 3.2.2).
+    fn measure(&mut self, angle: f64, setpoint: f64) -> f64 {
+        let state = &mut self.state;
+        let now = state.samples + 1;
+        let velocity = if state.measured == 0 {
+            state.reference = Reference::at_rest(angle);
+            state.profile = profile::State::at(angle);
+            state.goal = setpoint;
+            0.0
+        } else {
+            let move_ = angle - state.angle;
+            state.hysteresis = hysteresis::update(state.hysteresis, move_);
+            move_ / ((now - state.measured) as f64 * self.sample_period)
+        };
+        state.measured = now;
+        state.angle = angle;
+        velocity
+    }
+
+    /// Whether this is the first usable sample at or after the beginning of the next plan period.
+    fn plan_is_due(&self) -> bool {
+        self.state.samples as f64 >= self.state.next_plan as f64 * self.samples_per_plan
+    }
+
+    /// Makes a plan; its first move is in force until the next one (sec 3.2.3).
+    fn plan_from(&mut self, angle: f64, velocity: f64, setpoint: f64) {
+        let state = &mut self.state;
+        let initial = Initial {
+            angle,
+            velocity,
+            reference_angle: state.reference.angle,
+            reference_velocity: state.reference.velocity,
+            integral: state.integral,
+            feedback_integral: state.feedback.integral,
+            thermal_load: state.thermal_load,
+        };
+        let plan = self.planner.plan(&initial, setpoint);
+        state.reference.acceleration = plan.moves[0];
+        state.goal = plan.goal;
+        state.plan_status = plan.status;
+        state.planner.clone_from(self.planner.state());
+        state.next_plan = (state.samples as f64 / self.samples_per_plan) as u64 + 1;
+    }
+}
+
+/// Notes in `errors` what is not admissible among the settings that belong to no part of the controller.
+fn validate_own(settings: &Settings, errors: &mut Vec<Inadmissible>) {
+    let sample_period = settings.sample_period;
+    require(errors, "sample_period", sample_period, [1e-6, 1.0], "s");
+    require(
+        errors,
+        "initial.thermal_load",
+        settings.initial_thermal_load,
+        [0.0, 1e9],
+        "A2",
+    );
+    require(
+        errors,
+        "profile.max_acceleration",
+        settings.profile_max_acceleration,
+        [1e-6, 1e6],
+        "rad/s2",
+    );
+    if settings.nmpc.period < sample_period {
+        errors.push(Inadmissible {
+            name: "nmpc.period",
+            value: settings.nmpc.period,
+            admissible: format!(">= sample_period = {sample_period}"),
+            unit: "s",
+        });
+    }
+}
+
+/// The nearest whole number, if `ratio` misses it by no more than the rounding of its two parts.
+fn whole_if_close(ratio: f64) -> f64 {
+    let whole = ratio.round();
+    if (ratio - whole).abs() <= 1e-9 * ratio {
+        whole
+    } else {
+        ratio
+    }
+}
