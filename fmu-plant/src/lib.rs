@@ -10,4 +10,4 @@ pub mod variables {
 
 pub use plant::Plant;
 
-// fmi_unit::export!(Plant);
+fmi_unit::export!(Plant);

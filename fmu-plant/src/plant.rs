@@ -151,8 +151,8 @@ impl Unit for Plant {
     ) -> Result<(), Failure> {
         self.publish_violations(variables);
         if time >= self.next_event() - 1e-3 * self.sample_period {
-            self.state.noise_current = self.noise.standard_deviation
-                * standard_normal(self.noise.seed, self.state.draws);
+            self.state.noise_current =
+                self.noise.standard_deviation * standard_normal(self.noise.seed, self.state.draws);
             self.state.draws += 1;
         }
         Ok(())

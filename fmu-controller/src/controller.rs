@@ -1,0 +1,146 @@
+//! [`Controller`]: a sampled unit without continuous states; every sample is an event.
+
+use control::nmpc::planner::PlanStatus;
+use control::{Command, State};
+use fmi_unit::{Failure, Log, Severity, Unit};
+
+use crate::plan;
+use crate::settings::settings;
+use crate::variables::Variables;
+
+const WARNING: &str = "logStatusWarning";
+const EVENTS: &str = "logEvents";
+
+/// The controller, sampled at `start + k·sample_period`.
+pub struct Controller {
+    control: control::Controller,
+    /// \[s\]
+    start: f64,
+    sample_period: f64,
+    plan_period: f64,
+}
+
+impl Unit for Controller {
+    type Variables = Variables;
+    type State = State;
+
+    /// Before the first sample there is no torque, and the reference rests at the measured angle.
+    fn initial_outputs(variables: &mut Variables) {
+        variables.reference.angle = variables.angle;
+        variables.thermal_load = variables.initial.thermal_load;
+    }
+
+    fn new(variables: &mut Variables, start: f64) -> Result<Self, Vec<Failure>> {
+        let settings = settings(variables).map_err(|failure| vec![failure])?;
+        let control = control::Controller::new(&settings).map_err(|errors| {
+            errors
+                .iter()
+                .map(|e| Failure(e.to_string()))
+                .collect::<Vec<_>>()
+        })?;
+        Ok(Self {
+            control,
+            start,
+            sample_period: settings.sample_period,
+            plan_period: settings.nmpc.period,
+        })
+    }
+
+    fn state(&self) -> &State {
+        self.control.state()
+    }
+
+    fn set_state(&mut self, state: &State) -> Result<(), Failure> {
+        self.control.set_state(state);
+        Ok(())
+    }
+
+    fn next_event(&self) -> f64 {
+        self.start + self.control.samples() as f64 * self.sample_period
+    }
+
+    fn event(
+        &mut self,
+        variables: &mut Variables,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        let before = variables.nmpc.status;
+        let command = self.control.sample(variables.angle, variables.setpoint);
+        if command.new_plan {
+            let plan = self.control.plan();
+            variables.nmpc.iterations = saturated(plan.iterations);
+            variables.nmpc.convex_problems = saturated(plan.convex_problems);
+            variables.nmpc.cost = plan.trajectory.cost;
+            variables.nmpc.goal = plan.goal;
+            plan::publish(plan, self.plan_period, &mut variables.nmpc.plan);
+        }
+        write(&command, variables);
+        if variables.nmpc.status != before {
+            report(command.plan_status, variables, time, log);
+        }
+        Ok(())
+    }
+}
+
+fn write(command: &Command, variables: &mut Variables) {
+    variables.torque = command.torque;
+    variables.current = command.current;
+    variables.reference.angle = command.reference.angle;
+    variables.reference.velocity = command.reference.velocity;
+    variables.reference.acceleration = command.reference.acceleration;
+    variables.feedforward_torque = command.feedforward_torque;
+    variables.feedback_torque = command.feedback_torque;
+    variables.thermal_load = command.thermal_load;
+    variables.nmpc.status = command.plan_status as i64;
+}
+
+/// Says once when the way plans come to be changes.
+fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_>) {
+    let Variables {
+        angle,
+        setpoint,
+        torque,
+        ..
+    } = *variables;
+    let goal = variables.nmpc.goal;
+    match status {
+        PlanStatus::Idle | PlanStatus::Solved => {}
+        PlanStatus::GoalProjected => log.write(
+            Severity::Info,
+            EVENTS,
+            format_args!("at {time} s the setpoint {setpoint} rad cannot be held within the margins: planning to {goal} rad"),
+        ),
+        PlanStatus::ThermalSlack => log.write(
+            Severity::Warning,
+            WARNING,
+            format_args!("at {time} s no plan keeps the thermal limit: planning the least excess"),
+        ),
+        PlanStatus::IterationLimit => log.write(
+            Severity::Info,
+            EVENTS,
+            format_args!("at {time} s the planner stopped before it converged; the plan is admissible"),
+        ),
+        PlanStatus::ShiftedPlan => log.write(
+            Severity::Warning,
+            WARNING,
+            format_args!("at {time} s no plan was found: the previous one goes on"),
+        ),
+        PlanStatus::Rest => log.write(
+            Severity::Warning,
+            WARNING,
+            format_args!("at {time} s no plan was found and none is left: braking to rest"),
+        ),
+        PlanStatus::MeasurementHeld => log.write(
+            Severity::Warning,
+            WARNING,
+            format_args!(
+                "at {time} s angle = {angle} rad, setpoint = {setpoint} rad: both must be finite numbers; holding the torque {torque} N.m"
+            ),
+        ),
+    }
+}
+
+fn saturated(count: u32) -> i32 {
+    i32::try_from(count).unwrap_or(i32::MAX)
+}

@@ -1,0 +1,107 @@
+//! From the variables of the contract to the settings of the controller.
+
+use control::{ReferenceSource, Settings};
+use control::{feedback, nmpc};
+use fmi_unit::Failure;
+
+use crate::variables::{self as declared, Variables};
+
+/// The settings that the parameters say. Errors: an enumeration value without an item.
+pub fn settings(variables: &Variables) -> Result<Settings, Failure> {
+    let (a, m, l) = (&variables.arm, &variables.motor, &variables.limits);
+    Ok(Settings {
+        arm: arm::Parameters {
+            inertia: a.inertia,
+            damping: a.damping,
+            stiffness: a.stiffness,
+            offset: a.offset,
+            hysteresis: a.hysteresis,
+            cogging_frequency: a.cogging_frequency,
+            cogging_cos: a.cogging_cos,
+            cogging_sin: a.cogging_sin,
+        },
+        motor: arm::Motor {
+            torque_constant: m.torque_constant,
+            thermal_time_constant: m.thermal_time_constant,
+            continuous_current: m.continuous_current,
+            peak_torque: m.peak_torque,
+        },
+        limits: arm::Limits {
+            angle_lower: l.angle_lower,
+            angle_upper: l.angle_upper,
+        },
+        sample_period: variables.sample_period,
+        initial_thermal_load: variables.initial.thermal_load,
+        reference: match item("reference.source", variables.reference.source)? {
+            declared::ReferenceSource::Nmpc => ReferenceSource::Nmpc,
+            declared::ReferenceSource::Profile => ReferenceSource::Profile,
+        },
+        profile_max_acceleration: variables.profile.max_acceleration,
+        nmpc: planner(variables),
+        feedback: feedback(variables)?,
+    })
+}
+
+fn planner(variables: &Variables) -> nmpc::settings::Settings {
+    let n = &variables.nmpc;
+    nmpc::settings::Settings {
+        period: n.period,
+        horizon: n.horizon,
+        weights: nmpc::problem::Weights {
+            angle: n.weight_angle,
+            velocity: n.weight_velocity,
+            integral: n.weight_integral,
+            thermal: n.weight_thermal,
+            acceleration: n.weight_acceleration,
+        },
+        angle_margin: n.angle_margin,
+        thermal_share: n.thermal_share,
+        thermal_limit: n.thermal_limit,
+        models_feedback: n.models_feedback,
+        models_integrator: n.models_integrator,
+    }
+}
+
+fn feedback(variables: &Variables) -> Result<feedback::Settings, Failure> {
+    let f = &variables.feedback;
+    Ok(feedback::Settings {
+        law: match item("feedback.law", f.law)? {
+            declared::FeedbackLaw::Lqr => feedback::Law::Lqr,
+            declared::FeedbackLaw::Lqri => feedback::Law::Lqri,
+            declared::FeedbackLaw::Pid => feedback::Law::Pid,
+        },
+        design: match item("feedback.design", f.design)? {
+            declared::FeedbackDesign::Weights => feedback::Design::Weights,
+            declared::FeedbackDesign::Gains => feedback::Design::Gains,
+        },
+        weights: feedback::Weights {
+            angle: f.weight_angle,
+            velocity: f.weight_velocity,
+            integral: f.weight_integral,
+            torque: f.weight_torque,
+        },
+        gains: feedback::Gains {
+            angle: f.gain_angle,
+            velocity: f.gain_velocity,
+            integral: f.gain_integral,
+        },
+        lowpass_frequency: f.lowpass_frequency,
+        inertia: f.inertia,
+        damping: f.damping,
+    })
+}
+
+/// The item of an enumeration that a value stands for.
+fn item<E: TryFrom<i64>>(name: &str, value: i64) -> Result<E, Failure> {
+    E::try_from(value).map_err(|_| Failure(format!("{name} = {value} is none of its items")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_of_the_contract_are_the_tflex() {
+        assert_eq!(settings(&Variables::default()), Ok(Settings::tflex()));
+    }
+}
