@@ -8,6 +8,26 @@ pub mod log;
 pub mod model;
 pub mod unit;
 
+mod access;
+mod common;
+mod exchange;
+mod export;
+mod guard;
+mod instance;
+mod legality;
+mod logger;
+mod pointer;
+mod snapshot;
+mod step;
+
+// Named by the code that `export!` makes.
+#[doc(hidden)]
+pub mod fmi2;
+#[doc(hidden)]
+pub mod fmi3;
+#[doc(hidden)]
+pub use fmi_abi as abi;
+
 pub use log::{Log, Severity};
 pub use model::{Causality, Kind, Model, Values, ValuesMut, Variability, Variable, Variables};
 pub use unit::{Failure, Unit};

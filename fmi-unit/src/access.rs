@@ -1,0 +1,385 @@
+//! Reading and writing of variables by value reference, in the types of either version.
+
+use std::ffi::c_int;
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::instance::Instance;
+use crate::legality::Mode;
+use crate::model::{Causality, Kind, Values, ValuesMut, Variability, Variable, Variables};
+use crate::unit::{Failure, Unit};
+
+/// One element of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Element {
+    Float64(f64),
+    Int32(i32),
+    Boolean(bool),
+    Enumeration(i64),
+}
+
+/// What a value reference names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Addressing {
+    /// FMI 2.0: one element.
+    Elements,
+    /// FMI 3.0: a variable with all its elements.
+    Variables,
+}
+
+/// A type in which functions of the C interface pass values.
+pub(crate) trait Transfer {
+    /// The C type.
+    type Foreign: Copy;
+    /// For the importer; `None` if this type does not carry such elements.
+    fn outward(element: Element) -> Option<Self::Foreign>;
+    /// From the importer, for a variable of some kind; `None` if this type does not carry it.
+    fn inward(value: Self::Foreign, kind: Kind) -> Option<Element>;
+}
+
+/// `fmi2Real` and `fmi3Float64`.
+pub(crate) enum Float64 {}
+impl Transfer for Float64 {
+    type Foreign = f64;
+    fn outward(element: Element) -> Option<f64> {
+        match element {
+            Element::Float64(value) => Some(value),
+            _ => None,
+        }
+    }
+    fn inward(value: f64, kind: Kind) -> Option<Element> {
+        (kind == Kind::Float64).then_some(Element::Float64(value))
+    }
+}
+
+/// `fmi2Integer`, which carries enumerations as well.
+pub(crate) enum Integer {}
+impl Transfer for Integer {
+    type Foreign = c_int;
+    fn outward(element: Element) -> Option<c_int> {
+        match element {
+            Element::Int32(value) => Some(value),
+            Element::Enumeration(value) => c_int::try_from(value).ok(),
+            _ => None,
+        }
+    }
+    fn inward(value: c_int, kind: Kind) -> Option<Element> {
+        match kind {
+            Kind::Int32 => Some(Element::Int32(value)),
+            Kind::Enumeration => Some(Element::Enumeration(value.into())),
+            _ => None,
+        }
+    }
+}
+
+/// `fmi3Int32`.
+pub(crate) enum Int32 {}
+impl Transfer for Int32 {
+    type Foreign = i32;
+    fn outward(element: Element) -> Option<i32> {
+        match element {
+            Element::Int32(value) => Some(value),
+            _ => None,
+        }
+    }
+    fn inward(value: i32, kind: Kind) -> Option<Element> {
+        (kind == Kind::Int32).then_some(Element::Int32(value))
+    }
+}
+
+/// `fmi3Int64`, which carries enumerations.
+pub(crate) enum Int64 {}
+impl Transfer for Int64 {
+    type Foreign = i64;
+    fn outward(element: Element) -> Option<i64> {
+        match element {
+            Element::Enumeration(value) => Some(value),
+            _ => None,
+        }
+    }
+    fn inward(value: i64, kind: Kind) -> Option<Element> {
+        (kind == Kind::Enumeration).then_some(Element::Enumeration(value))
+    }
+}
+
+/// `fmi2Boolean` with `T` = `c_int` and `fmi3Boolean` with `T` = `u8`; anything but zero is true.
+pub(crate) struct Boolean<T>(PhantomData<T>);
+impl<T: Copy + From<bool> + PartialEq> Transfer for Boolean<T> {
+    type Foreign = T;
+    fn outward(element: Element) -> Option<T> {
+        match element {
+            Element::Boolean(value) => Some(value.into()),
+            _ => None,
+        }
+    }
+    fn inward(value: T, kind: Kind) -> Option<Element> {
+        (kind == Kind::Boolean).then(|| Element::Boolean(value != T::from(false)))
+    }
+}
+
+/// A type that no variable of a unit has.
+pub(crate) struct Absent<T>(PhantomData<T>);
+impl<T: Copy> Transfer for Absent<T> {
+    type Foreign = T;
+    fn outward(_: Element) -> Option<T> {
+        None
+    }
+    fn inward(_: T, _: Kind) -> Option<Element> {
+        None
+    }
+}
+
+impl<U: Unit> Instance<U> {
+    /// Reads variables, those with several elements in a row.
+    pub(crate) fn get<T: Transfer>(
+        &mut self,
+        references: &[u32],
+        values: &mut [T::Foreign],
+        addressing: Addressing,
+    ) -> Result<(), Failure> {
+        check_count::<U>(references, values.len(), addressing)?;
+        let mut targets = values.iter_mut();
+        for &reference in references {
+            let (variable, first, count) = locate::<U>(reference, addressing)?;
+            if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
+                self.refresh();
+            }
+            for (index, target) in (first..first + count).zip(&mut targets) {
+                let element = self.element(variable, index)?;
+                *target = T::outward(element).ok_or_else(|| mismatch(variable))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes variables; all or, if one of them cannot be written, none.
+    pub(crate) fn set<T: Transfer>(
+        &mut self,
+        references: &[u32],
+        values: &[T::Foreign],
+        addressing: Addressing,
+    ) -> Result<(), Failure> {
+        check_count::<U>(references, values.len(), addressing)?;
+        for store in [false, true] {
+            let mut sources = values.iter();
+            for &reference in references {
+                let (variable, first, count) = locate::<U>(reference, addressing)?;
+                for (index, &source) in (first..first + count).zip(&mut sources) {
+                    let element =
+                        T::inward(source, variable.kind).ok_or_else(|| mismatch(variable))?;
+                    if store {
+                        self.store(variable, index, element)?;
+                    } else {
+                        self.check_settable(variable, index, element)?;
+                        check_admissible(variable, index, element)?;
+                    }
+                }
+            }
+        }
+        self.now.stale = true;
+        Ok(())
+    }
+
+    /// Inputs and tunable parameters can always be set, fixed ones until initialization is done.
+    /// Afterwards only their present value is accepted, which importers like to send once more.
+    fn check_settable(
+        &self,
+        variable: &'static Variable,
+        index: usize,
+        element: Element,
+    ) -> Result<(), Failure> {
+        let name = Name(variable, index);
+        match (variable.causality, variable.variability) {
+            (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Ok(()),
+            (Causality::Parameter, Variability::Fixed) => {
+                let early = matches!(self.now.mode, Mode::Instantiated | Mode::Initialization);
+                if early || self.element(variable, index)? == element {
+                    Ok(())
+                } else {
+                    Err(Failure(format!(
+                        "{name} is fixed: it can be set until the end of initialization only"
+                    )))
+                }
+            }
+            (causality, _) => Err(Failure(format!(
+                "{name} cannot be set: its causality is {causality:?}"
+            ))),
+        }
+    }
+
+    fn element(&self, variable: &'static Variable, index: usize) -> Result<Element, Failure> {
+        if variable.causality == Causality::Independent {
+            return Ok(Element::Float64(self.now.time));
+        }
+        element(&self.now.variables, variable, index)
+    }
+
+    fn store(
+        &mut self,
+        variable: &'static Variable,
+        index: usize,
+        element: Element,
+    ) -> Result<(), Failure> {
+        let values = self.now.variables.values_mut(variable.value_reference);
+        match (values, element) {
+            (Some(ValuesMut::Float64(slots)), Element::Float64(value)) => put(slots, index, value),
+            (Some(ValuesMut::Int32(slots)), Element::Int32(value)) => put(slots, index, value),
+            (Some(ValuesMut::Boolean(slots)), Element::Boolean(value)) => put(slots, index, value),
+            (Some(ValuesMut::Enumeration(slots)), Element::Enumeration(value)) => {
+                put(slots, index, value)
+            }
+            _ => None,
+        }
+        .ok_or_else(|| mismatch(variable))
+    }
+}
+
+fn put<T>(slots: &mut [T], index: usize, value: T) -> Option<()> {
+    *slots.get_mut(index)? = value;
+    Some(())
+}
+
+fn element<V: Variables>(
+    variables: &V,
+    variable: &'static Variable,
+    index: usize,
+) -> Result<Element, Failure> {
+    match variables.values(variable.value_reference) {
+        Some(Values::Float64(values)) => values.get(index).copied().map(Element::Float64),
+        Some(Values::Int32(values)) => values.get(index).copied().map(Element::Int32),
+        Some(Values::Boolean(values)) => values.get(index).copied().map(Element::Boolean),
+        Some(Values::Enumeration(values)) => values.get(index).copied().map(Element::Enumeration),
+        None => None,
+    }
+    .ok_or_else(|| mismatch(variable))
+}
+
+/// Whether every parameter is within its range.
+pub(crate) fn check_parameters<V: Variables>(variables: &V) -> Result<(), Failure> {
+    for variable in V::MODEL.variables {
+        if variable.causality == Causality::Parameter {
+            for index in 0..variable.length as usize {
+                check_admissible(variable, index, element(variables, variable, index)?)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether all parameters of two sets of values are the same.
+pub(crate) fn same_parameters<V: Variables>(a: &V, b: &V) -> bool {
+    V::MODEL
+        .variables
+        .iter()
+        .filter(|v| v.causality == Causality::Parameter)
+        .all(|v| a.values(v.value_reference) == b.values(v.value_reference))
+}
+
+/// The variable that a reference names, its first element meant and their number.
+fn locate<U: Unit>(
+    reference: u32,
+    addressing: Addressing,
+) -> Result<(&'static Variable, usize, usize), Failure> {
+    let Some((variable, index)) = U::Variables::MODEL.find(reference) else {
+        return Err(Failure(format!("value reference {reference} is unknown")));
+    };
+    match addressing {
+        Addressing::Elements => Ok((variable, index, 1)),
+        Addressing::Variables if index == 0 => Ok((variable, 0, variable.length as usize)),
+        Addressing::Variables => Err(Failure(format!(
+            "value reference {reference} is unknown: it names an element of {}, an array with value reference {}",
+            variable.name, variable.value_reference
+        ))),
+    }
+}
+
+fn check_count<U: Unit>(
+    references: &[u32],
+    values: usize,
+    addressing: Addressing,
+) -> Result<(), Failure> {
+    let mut elements = 0;
+    for &reference in references {
+        elements += locate::<U>(reference, addressing)?.2;
+    }
+    if elements == values {
+        return Ok(());
+    }
+    Err(Failure(format!("{values} values for {elements} elements")))
+}
+
+/// Parameters must be finite and within their range, enumerations must be one of their items. Inputs
+/// may be any number: the unit handles them.
+fn check_admissible(
+    variable: &'static Variable,
+    index: usize,
+    element: Element,
+) -> Result<(), Failure> {
+    let value = match element {
+        Element::Boolean(_) => return Ok(()),
+        Element::Enumeration(value) => {
+            if variable.items.iter().any(|&(item, _)| item == value) {
+                return Ok(());
+            }
+            let items: Vec<_> = variable
+                .items
+                .iter()
+                .map(|(item, name)| format!("{item} ({name})"))
+                .collect();
+            return Err(Failure(format!(
+                "{} = {value} is none of {}",
+                Name(variable, index),
+                items.join(", ")
+            )));
+        }
+        Element::Float64(value) => value,
+        Element::Int32(value) => value.into(),
+    };
+    let within = value.is_finite() && (variable.min..=variable.max).contains(&value);
+    if within || variable.causality != Causality::Parameter {
+        return Ok(());
+    }
+    let unit = match variable.unit {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    Err(Failure(format!(
+        "{} = {}{unit} is outside [{}, {}]{unit}",
+        Name(variable, index),
+        Number(value),
+        Number(variable.min),
+        Number(variable.max),
+    )))
+}
+
+fn mismatch(variable: &Variable) -> Failure {
+    Failure(format!("{} is of type {:?}", variable.name, variable.kind))
+}
+
+/// Name of an element, subscripts counted from 1.
+struct Name(&'static Variable, usize);
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(variable, index) = self;
+        if variable.is_array {
+            write!(f, "{}[{}]", variable.name, index + 1)
+        } else {
+            f.write_str(variable.name)
+        }
+    }
+}
+
+/// A number as an engineer writes it: 1e-9, 0.25, 1e6.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size.is_finite() && size != 0.0 && !(1e-3..1e5).contains(&size) {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}

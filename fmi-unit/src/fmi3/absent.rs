@@ -1,0 +1,76 @@
+//! Functions of FMI 3.0 for what the description does not declare. Importers load them all the same.
+//! They fail with a message, or succeed if nothing is asked of them.
+
+use fmi_abi::fmi3::*;
+
+use crate::common::undeclared;
+use crate::unit::Unit;
+
+macro_rules! absent {
+    ($($name:ident($($argument:ident: $type:ty),*): $asked:expr, $what:literal;)+) => {$(
+        pub unsafe fn $name<U: Unit>(instance: fmi3Instance, $($argument: $type),*) -> fmi3Status {
+            let _ = ($($argument,)*);
+            // SAFETY: the importer vouches for the instance.
+            unsafe { undeclared::<U>(instance, stringify!($name), $asked, $what) }
+        }
+    )+};
+}
+
+absent! {
+    fmi3GetBinary(
+        references: *const fmi3ValueReference, n: usize, value_sizes: *mut usize, values: *mut fmi3Binary, n_values: usize
+    ): n > 0, "a binary variable";
+    fmi3SetBinary(
+        references: *const fmi3ValueReference, n: usize, value_sizes: *const usize, values: *const fmi3Binary, n_values: usize
+    ): n > 0, "a binary variable";
+    fmi3GetClock(references: *const fmi3ValueReference, n: usize, values: *mut fmi3Clock): n > 0, "a clock";
+    fmi3SetClock(
+        references: *const fmi3ValueReference, n: usize, values: *const fmi3Clock
+    ): n > 0, "a clock";
+    fmi3GetNumberOfVariableDependencies(
+        reference: fmi3ValueReference, n_dependencies: *mut usize
+    ): true, "the inquiry of dependencies";
+    fmi3GetVariableDependencies(
+        dependent: fmi3ValueReference, element_indices_of_dependent: *mut usize, independents: *mut fmi3ValueReference, element_indices_of_independents: *mut usize, dependency_kinds: *mut fmi3DependencyKind, n_dependencies: usize
+    ): true, "the inquiry of dependencies";
+    fmi3GetDirectionalDerivative(
+        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
+    ): true, "the directional derivative";
+    fmi3GetAdjointDerivative(
+        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
+    ): true, "the adjoint derivative";
+    fmi3EnterConfigurationMode(): true, "Configuration Mode";
+    fmi3ExitConfigurationMode(): true, "Configuration Mode";
+    fmi3GetIntervalDecimal(
+        references: *const fmi3ValueReference, n: usize, intervals: *mut fmi3Float64, qualifiers: *mut fmi3IntervalQualifier
+    ): n > 0, "a clock";
+    fmi3GetIntervalFraction(
+        references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier
+    ): n > 0, "a clock";
+    fmi3GetShiftDecimal(
+        references: *const fmi3ValueReference, n: usize, shifts: *mut fmi3Float64
+    ): n > 0, "a clock";
+    fmi3GetShiftFraction(
+        references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64
+    ): n > 0, "a clock";
+    fmi3SetIntervalDecimal(
+        references: *const fmi3ValueReference, n: usize, intervals: *const fmi3Float64
+    ): n > 0, "a clock";
+    fmi3SetIntervalFraction(
+        references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
+    ): n > 0, "a clock";
+    fmi3SetShiftDecimal(
+        references: *const fmi3ValueReference, n: usize, shifts: *const fmi3Float64
+    ): n > 0, "a clock";
+    fmi3SetShiftFraction(
+        references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
+    ): n > 0, "a clock";
+    fmi3EvaluateDiscreteStates(): true, "the evaluation of discrete states outside events";
+    fmi3EnterStepMode(): true, "Event Mode in Co-Simulation";
+    fmi3GetOutputDerivatives(
+        references: *const fmi3ValueReference, n: usize, orders: *const fmi3Int32, values: *mut fmi3Float64, n_values: usize
+    ): n > 0, "the derivative of an output";
+    fmi3ActivateModelPartition(
+        clock_reference: fmi3ValueReference, activation_time: fmi3Float64
+    ): true, "Scheduled Execution";
+}
