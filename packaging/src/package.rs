@@ -13,6 +13,8 @@ use std::fs;
 struct Unit {
     package: &'static str,
     contract: &'static str,
+    /// Name of its library, as cargo knows it.
+    library: &'static str,
     /// Name of its icon and text in `assets/`.
     art: &'static str,
 }
@@ -20,11 +22,13 @@ struct Unit {
 const UNITS: [Unit; 2] = [
     Unit {
         package: "flexarm-fmu-plant",
+        library: "flexarm_plant",
         contract: "modelDescription/plant.xml",
         art: "plant",
     },
     Unit {
         package: "flexarm-fmu-controller",
+        library: "flexarm_controller",
         contract: "modelDescription/controller.xml",
         art: "controller",
     },
@@ -59,10 +63,9 @@ fn contents(
     let built = cargo::build(workspace, &packages)?;
     let mut contents = Vec::new();
     for (unit, description) in UNITS.iter().zip(descriptions) {
-        let name = &description.name;
         let library = built
-            .get(name)
-            .ok_or_else(|| format!("{} built no shared library called {name}", unit.package))?;
+            .get(unit.library)
+            .ok_or_else(|| format!("{} built no shared library", unit.package))?;
         let binary = fs::read(library).map_err(|e| format!("{}: {e}", library.display()))?;
         let art =
             |kind: &str| workspace.read_bytes(&format!("packaging/assets/{}.{kind}", unit.art));
