@@ -37,7 +37,7 @@ impl Settings {
             sample_period: 2.5e-4,
             initial_thermal_load: f64::powi(0.8 * 3.92, 2),
             reference: ReferenceSource::Nmpc,
-            profile_max_acceleration: 1.997,
+            profile_max_acceleration: 1.9973,
             nmpc: settings::Settings {
                 weights: Weights {
                     angle: 1.0,
@@ -65,6 +65,6 @@ mod tests {
             .map(|angle| settings.arm.position_torque(angle))
             .fold(f64::MIN, f64::max);
         let acceleration = 0.85 * 3.92 * 1.25 - largest;
-        assert!((settings.profile_max_acceleration - acceleration).abs() < 5e-4);
+        assert!((settings.profile_max_acceleration - acceleration).abs() < 5e-5);
     }
 }

@@ -2,8 +2,10 @@
 
 mod common;
 
+use arm::Parameters;
 use common::{Loop, Score, track, with_profile};
 use control::Settings;
+use control::feedback::Law;
 use serde_json::Value;
 
 struct Run {
@@ -70,7 +72,9 @@ fn nmpc_reproduces(run: &Run, score: &Score) {
 #[test]
 fn tflex_follows_the_planner() {
     for run in tflex() {
-        nmpc_reproduces(&run, &track(Loop::tflex(), &run.setpoints, run.interval));
+        let score = track(Loop::tflex(), &run.setpoints, run.interval);
+        nmpc_reproduces(&run, &score);
+        reproduces(&run, &score, &run.golden["nmpc"]["cost"], 1e-3);
     }
 }
 
@@ -82,12 +86,58 @@ fn pendulum_follows_the_planner() {
     }
 }
 
+/// The baseline of the reference runs: a PID of the LQR's bandwidth.
+fn baseline(settings: Settings, max_acceleration: f64) -> Settings {
+    let mut settings = with_profile(settings, max_acceleration);
+    settings.feedback.law = Law::Pid;
+    settings
+}
+
 #[test]
 fn pendulum_follows_the_profile() {
+    let settings = baseline(Settings::pendulum(), 1.9973);
     for run in pendulum() {
-        let settings = with_profile(Settings::pendulum(), 1.997);
         let score = track(Loop::pendulum(&settings), &run.setpoints, run.interval);
         let expected = &run.golden["profile"]["single 0.85: (0.85*Ilim*Ki-tau_th)/I"]["cost"];
-        reproduces(&run, &score, expected, 0.01);
+        reproduces(&run, &score, expected, 1e-3);
+    }
+}
+
+#[test]
+fn tflex_follows_the_profile() {
+    let range = 32_f64.to_radians();
+    for (name, max_acceleration) in [
+        ("66", 66.0),
+        ("whole range in 0.5 s", 8.0 * range / f64::powi(0.5, 2)),
+        ("whole range in 0.66 s", 8.0 * range / f64::powi(0.66, 2)),
+    ] {
+        let settings = baseline(Settings::tflex(), max_acceleration);
+        for run in tflex() {
+            let closed_loop = Loop::new(&settings, Parameters::tflex(), 1.30);
+            let score = track(closed_loop, &run.setpoints, run.interval);
+            reproduces(&run, &score, &run.golden["profile"][name]["cost"], 1e-3);
+        }
+    }
+}
+
+/// The ratios of tables 1 and 2: the planner beats the profile by as much as in the paper.
+#[test]
+fn planner_beats_the_profile() {
+    let ratio = |closed_loop: Loop, follower: Loop, run: &Run| {
+        let planned = track(closed_loop, &run.setpoints, run.interval).cost;
+        track(follower, &run.setpoints, run.interval).cost / planned
+    };
+    for run in pendulum() {
+        let profile = Loop::pendulum(&baseline(Settings::pendulum(), 1.9973));
+        let ratio = ratio(Loop::pendulum(&Settings::pendulum()), profile, &run);
+        println!("pendulum, {}: {ratio:.2}", run.label);
+        assert!((3.2..5.2).contains(&ratio), "{}: {ratio}", run.label);
+    }
+    for run in tflex() {
+        let settings = baseline(Settings::tflex(), 46.5);
+        let profile = Loop::new(&settings, Parameters::tflex(), 1.30);
+        let ratio = ratio(Loop::tflex(), profile, &run);
+        println!("T-flex, {}: {ratio:.2}", run.label);
+        assert!((1.7..2.0).contains(&ratio), "{}: {ratio}", run.label);
     }
 }
