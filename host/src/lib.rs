@@ -1,2 +1,18 @@
-//! Placeholder.
+//! The host: imports FMUs of FMI 2.0 and 3.0, ours or a vendor's, connects a controller to a plant, runs,
+//! scores and plots them.
+//!
+//! - [`fmu`] imports FMUs, alone useful to any client of FMUs;
+//! - [`input`] reads what the user gives: parameters, setpoints, connections;
+//! - [`run`] steps the pair and measures it: [`simulate`];
+//! - [`output`] writes the result.
+//!
+//! FMUs are known only as files: this crate knows no arm, no controller and no export.
+
+mod error;
 pub mod fmu;
+pub mod input;
+pub mod output;
+pub mod run;
+
+pub use error::Error;
+pub use run::{Order, Outcome, Simulation, simulate, simulate_opened};

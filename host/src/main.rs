@@ -1,2 +1,10 @@
-//! Placeholder.
-fn main() {}
+//! `flexarm`: runs, scores and plots pairs of FMUs from the command line.
+
+mod cli;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run(cli::Arguments::parse())
+}

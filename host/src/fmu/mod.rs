@@ -298,7 +298,7 @@ fn missing_library(reason: &str, binary: &Path) -> Option<String> {
     (!binary.ends_with(name)).then(|| name.to_owned())
 }
 
-fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
+pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
     let bytes = fs::read(xml).map_err(|source| Error::NoDescription {
         file: file.to_owned(),
         source,

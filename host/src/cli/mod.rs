@@ -1,0 +1,67 @@
+//! The command line. Exit codes: 0 done, 1 the run failed, 2 wrong usage or input.
+
+mod inspect;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+use host::Error;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Runs, scores and plots a controller FMU with a plant FMU, ours or a vendor's (FMI 2.0 and 3.0).
+#[derive(Debug, Parser)]
+#[command(name = "flexarm", version, after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Simulate(Box<simulate::Arguments>),
+    Inspect(inspect::Arguments),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  flexarm inspect FlexArmPlant.fmu
+  flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --setpoints steps.csv -o out/
+
+Exit codes: 0 done, 1 the run failed, 2 wrong usage or input. Messages go to standard error.";
+
+/// Carries out a command.
+pub(crate) fn run(arguments: Arguments) -> ExitCode {
+    let result = match arguments.command {
+        Command::Simulate(arguments) => simulate::run(*arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::from(if error.is_input() { 2 } else { 1 })
+        }
+    }
+}
+
+/// Prints to standard output. A reader that went away is no error of ours.
+fn print(text: &str) -> Result<(), Error> {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => Err(Error::Output {
+            path: "standard output".into(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

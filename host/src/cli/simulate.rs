@@ -1,0 +1,154 @@
+//! `flexarm simulate`.
+
+use clap::{Args, ValueEnum};
+use host::input::parameters::{Assignment, ParameterFile};
+use host::output::OutputFolder;
+use host::{Error, Outcome, Simulation, simulate};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  The pair with its defaults, at rest:
+    flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --until 2
+  Setpoints from a file, another parameter set, results in out/:
+    flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu \\
+      --parameters pendulum.ssv --setpoints steps.csv -o out/
+  One thing changed, for one FMU or both:
+    flexarm simulate ... --set feedback.law=lqri --set plant:arm.inertia=0.09
+  A vendor's plant with other names and degrees:
+    flexarm simulate --controller FlexArmController.fmu --plant Vendor.fmu --connections vendor.toml
+    # vendor.toml:
+    [[connection]]                     # to = factor * from + offset
+    from = \"plant.phi_deg\"
+    to = \"controller.angle\"
+    factor = 0.017453292519943295
+    [[connection]]
+    from = \"controller.torque\"
+    to = \"plant.tau\"
+    [[connection]]
+    from = \"setpoint\"
+    to = \"controller.setpoint\"
+    [[role]]                           # what is scored and plotted under which name:
+    name = \"thermal_load\"              # angle, torque, thermal_load, thermal_fraction, violations,
+    from = \"plant.i2t\"                 # reference_angle, feedforward_torque, feedback_torque,
+                                       # plan_status, plan_iterations
+
+Setpoint files are CSV: header time,setpoint and optional columns named like inputs (disturbance_torque). Each
+row holds until the next one; the first is at time 0.
+
+The folder of -o gets results.csv (every communication point: about 20 MB for 20 s, see --record),
+summary.json, report.html and, if an FMU logs, log.txt. A run that fails leaves nothing there.";
+
+/// Runs a controller with a plant and scores it.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// FMU of the controller.
+    #[arg(long, value_name = "FMU")]
+    controller: PathBuf,
+    /// FMU of the plant.
+    #[arg(long, value_name = "FMU")]
+    plant: PathBuf,
+    /// Parameter file (SSV) for both FMUs, or for one: controller=X.ssv, plant=X.ssv. Later ones win.
+    #[arg(long, value_name = "[SIDE=]SSV")]
+    parameters: Vec<ParameterFile>,
+    /// Single value, after the files: NAME=VALUE, controller:NAME=VALUE, plant:NAME=VALUE.
+    #[arg(long = "set", value_name = "[SIDE:]NAME=VALUE")]
+    assignments: Vec<Assignment>,
+    /// Setpoints over time (CSV). Default: the angle at which the plant starts.
+    #[arg(long, value_name = "CSV")]
+    setpoints: Option<PathBuf>,
+    /// Connections, factors, offsets and roles (TOML). Default: outputs feed inputs of the same name.
+    #[arg(long, value_name = "TOML")]
+    connections: Option<PathBuf>,
+    /// End of the run [s]. Default: the end of the setpoints, or the plant's own default.
+    #[arg(long, value_name = "SECONDS")]
+    until: Option<f64>,
+    /// Communication step [s].
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.000_25)]
+    step: f64,
+    /// Which FMU steps first.
+    #[arg(long, value_enum, default_value_t = Order::Sequential)]
+    order: Order,
+    /// Folder for the results.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Records every n-th communication point; scoring still sees all.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    record: usize,
+    /// Asks the FMUs for debug messages.
+    #[arg(long)]
+    log: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Order {
+    /// The controller steps first, the plant with its fresh outputs: no delay.
+    Sequential,
+    /// Both step with what they knew at the communication point: one step of delay.
+    SideBySide,
+}
+
+/// Log messages that are shown.
+const SHOWN: usize = 20;
+
+pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
+    let simulation = Simulation {
+        parameters: arguments.parameters,
+        assignments: arguments.assignments,
+        setpoints: arguments.setpoints,
+        connections: arguments.connections,
+        until: arguments.until,
+        step: arguments.step,
+        order: match arguments.order {
+            Order::Sequential => host::Order::Sequential,
+            Order::SideBySide => host::Order::SideBySide,
+        },
+        record_every: arguments.record,
+        logging: arguments.log,
+        ..Simulation::new(arguments.controller, arguments.plant)
+    };
+    let output = arguments
+        .output
+        .as_deref()
+        .map(OutputFolder::prepare)
+        .transpose()?;
+    // Hidden by the crate if standard error is no terminal.
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]") {
+        bar.set_style(style);
+    }
+    let outcome = simulate(&simulation, &mut |time| {
+        bar.set_message(format!("t = {time:.2} s"));
+        bar.tick();
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    report_messages(&outcome);
+    if let Some(output) = output {
+        output.write(&outcome)?;
+    }
+    super::print(&format!("{}\n", outcome.summary.table()))
+}
+
+/// Warnings and log messages go to standard error; nothing can be done if that is closed.
+fn report_messages(outcome: &Outcome) {
+    let mut stderr = io::stderr();
+    for warning in &outcome.summary.warnings {
+        let _ = writeln!(stderr, "warning: {warning}");
+    }
+    for (side, message) in outcome.messages.iter().take(SHOWN) {
+        let _ = writeln!(stderr, "{side}: {}: {message}", message.status);
+    }
+    if outcome.messages.len() > SHOWN {
+        let more = outcome.messages.len() - SHOWN;
+        let _ = writeln!(
+            stderr,
+            "{more} more messages; log.txt in the folder of -o has them all"
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! Everything that can end a run.
+
+use crate::{fmu, input};
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why there is no result.
+#[derive(Debug)]
+#[allow(missing_docs, reason = "the fields are what Display prints")]
+pub enum Error {
+    /// An FMU cannot be used or failed.
+    Fmu(fmu::Error),
+    /// What the user gave is wrong.
+    Input(input::Error),
+    /// A connected signal is not a number.
+    NotFinite { name: String, value: f64, time: f64 },
+    /// The result cannot be written.
+    Output { path: PathBuf, source: io::Error },
+    /// The user stopped the run.
+    Interrupted { time: f64 },
+}
+
+impl Error {
+    /// Whether the user's input is to blame, rather than the run.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Fmu(error) => error.is_input(),
+            Self::Input(_) => true,
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fmu(error) => error.fmt(f),
+            Self::Input(error) => error.fmt(f),
+            Self::NotFinite { name, value, time } => {
+                write!(f, "{name} is {value} at t = {time} s: not a finite number")
+            }
+            Self::Output { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Fmu(error) => Some(error),
+            Self::Input(error) => Some(error),
+            Self::Output { source, .. } => Some(source),
+            Self::NotFinite { .. } | Self::Interrupted { .. } => None,
+        }
+    }
+}
+
+impl From<fmu::Error> for Error {
+    fn from(error: fmu::Error) -> Self {
+        Self::Fmu(error)
+    }
+}
+
+impl From<input::Error> for Error {
+    fn from(error: input::Error) -> Self {
+        Self::Input(error)
+    }
+}

@@ -1,0 +1,356 @@
+//! Parameter values from SSV files and from single assignments.
+
+use super::{Error, Pair, Place, Side, read_text, with_article};
+use crate::fmu::{Description, NameError, Scalar, Value, similar};
+use model_description::ssv;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A parameter file for both FMUs or for one: `X.ssv`, `controller=X.ssv`, `plant=X.ssv`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParameterFile {
+    /// None: each value goes to every FMU that has its name.
+    pub side: Option<Side>,
+    /// SSV file (SSP 1.0).
+    pub path: PathBuf,
+}
+
+impl FromStr for ParameterFile {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (side, path) = match text.split_once('=') {
+            Some(("controller", path)) => (Some(Side::Controller), path),
+            Some(("plant", path)) => (Some(Side::Plant), path),
+            _ => (None, text),
+        };
+        Ok(Self {
+            side,
+            path: path.into(),
+        })
+    }
+}
+
+/// A single value: `NAME=VALUE`, `controller:NAME=VALUE`, `plant:NAME=VALUE`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assignment {
+    /// None: the value goes to every FMU that has the name.
+    pub side: Option<Side>,
+    /// Name of a scalar.
+    pub name: String,
+    /// A number, true, false, or the name of an enumeration's item.
+    pub value: String,
+}
+
+impl FromStr for Assignment {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Error::Form {
+                option: text.to_owned(),
+                expected: "[controller:|plant:]NAME=VALUE",
+            });
+        };
+        let (side, name) = match name.split_once(':') {
+            Some(("controller", name)) => (Some(Side::Controller), name),
+            Some(("plant", name)) => (Some(Side::Plant), name),
+            _ => (None, name),
+        };
+        Ok(Self {
+            side,
+            name: name.trim().to_owned(),
+            value: value.trim().to_owned(),
+        })
+    }
+}
+
+/// Values that the user gave to the variables of both FMUs. The later one wins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StartValues {
+    controller: BTreeMap<Scalar, Value>,
+    plant: BTreeMap<Scalar, Value>,
+}
+
+impl StartValues {
+    /// Reads all files in order, then takes the assignments.
+    pub fn read(
+        pair: Pair<'_>,
+        files: &[ParameterFile],
+        assignments: &[Assignment],
+    ) -> Result<Self, Error> {
+        let mut values = Self::default();
+        for file in files {
+            let text = read_text(&file.path)?;
+            let name = file.path.display().to_string();
+            let set = ssv::read(&text, &name).map_err(Error::ParameterFile)?;
+            for parameter in set.parameters {
+                let place = Place::new(name.clone(), Some(parameter.line.into()));
+                let text = parameter.value.to_string();
+                let unit = parameter.unit.as_deref();
+                values.give(pair, &place, file.side, &parameter.name, &text, unit)?;
+            }
+        }
+        let place = Place::new("--set", None);
+        for a in assignments {
+            values.give(pair, &place, a.side, &a.name, &a.value, None)?;
+        }
+        Ok(values)
+    }
+
+    /// Values for one FMU.
+    pub fn of(&self, side: Side) -> Vec<(Scalar, Value)> {
+        let values = match side {
+            Side::Controller => &self.controller,
+            Side::Plant => &self.plant,
+        };
+        values
+            .iter()
+            .map(|(scalar, value)| (*scalar, value.clone()))
+            .collect()
+    }
+
+    /// The value that a numeric parameter will have: as given, or its start.
+    pub fn number(&self, pair: Pair<'_>, side: Side, name: &str) -> Option<f64> {
+        let description = pair.of(side);
+        let scalar = description.scalar(name).ok()?;
+        let given = match side {
+            Side::Controller => self.controller.get(&scalar),
+            Side::Plant => self.plant.get(&scalar),
+        };
+        let start = || description.variable(scalar).start_of(scalar.element);
+        given.cloned().or_else(start)?.number()
+    }
+
+    fn give(
+        &mut self,
+        pair: Pair<'_>,
+        place: &Place,
+        side: Option<Side>,
+        name: &str,
+        text: &str,
+        unit: Option<&str>,
+    ) -> Result<(), Error> {
+        let sides: &[Side] = match side {
+            Some(Side::Controller) => &[Side::Controller],
+            Some(Side::Plant) => &[Side::Plant],
+            None => &[Side::Controller, Side::Plant],
+        };
+        let mut given = false;
+        let mut refusal = None;
+        for &side in sides {
+            let description = pair.of(side);
+            match description.scalar(name) {
+                Ok(scalar) if !description.variable(scalar).settable => {
+                    let found = with_article(description.variable(scalar).causality);
+                    refusal = Some(Error::Role {
+                        place: place.clone(),
+                        name: format!("{side}.{name}"),
+                        found: format!("{found} that cannot be set"),
+                        existing: Vec::new(),
+                    });
+                }
+                Ok(scalar) => {
+                    let value = checked(description, scalar, place, name, text, unit)?;
+                    match side {
+                        Side::Controller => self.controller.insert(scalar, value),
+                        Side::Plant => self.plant.insert(scalar, value),
+                    };
+                    given = true;
+                }
+                Err(NameError::Array { first, last }) => {
+                    return Err(Error::Array {
+                        place: place.clone(),
+                        name: name.to_owned(),
+                        first,
+                        last,
+                    });
+                }
+                Err(NameError::Unknown { .. }) => {}
+            }
+        }
+        if given {
+            return Ok(());
+        }
+        if let Some(refusal) = refusal {
+            return Err(refusal);
+        }
+        let names = || {
+            let variables = sides.iter().flat_map(|&s| &pair.of(s).variables);
+            variables.filter(|v| v.settable).map(|v| v.name.as_str())
+        };
+        let mut existing: Vec<_> = names().map(str::to_owned).collect();
+        existing.sort();
+        existing.dedup();
+        Err(Error::Unknown {
+            place: place.clone(),
+            owner: side,
+            name: name.to_owned(),
+            similar: similar(name, names()),
+            existing,
+        })
+    }
+}
+
+/// The value, if the unit is the variable's, the text of its type and the number in its range.
+fn checked(
+    description: &Description,
+    scalar: Scalar,
+    place: &Place,
+    name: &str,
+    text: &str,
+    unit: Option<&str>,
+) -> Result<Value, Error> {
+    let variable = description.variable(scalar);
+    if let Some(unit) = unit
+        && variable.unit.as_deref() != Some(unit)
+    {
+        return Err(Error::Unit {
+            place: place.clone(),
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            declared: variable.unit.clone(),
+        });
+    }
+    let value = Value::parse(text, variable).map_err(|expected| Error::Value {
+        place: place.clone(),
+        name: name.to_owned(),
+        value: text.to_owned(),
+        expected,
+    })?;
+    if let Some(number) = value.number()
+        && (variable.min.is_some_and(|min| number < min)
+            || variable.max.is_some_and(|max| number > max))
+    {
+        return Err(Error::Range {
+            place: place.clone(),
+            name: name.to_owned(),
+            value: text.to_owned(),
+            range: variable.range(),
+        });
+    }
+    Ok(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::contract;
+    use super::*;
+    use std::io::Write;
+
+    fn read(files: &[ParameterFile], sets: &[&str]) -> Result<(StartValues, Vec<f64>), String> {
+        let (controller, plant) = (contract("controller"), contract("plant"));
+        let pair = Pair {
+            controller: &controller,
+            plant: &plant,
+        };
+        let sets: Vec<_> = sets.iter().map(|s| s.parse().unwrap()).collect();
+        let values = StartValues::read(pair, files, &sets).map_err(|e| e.to_string())?;
+        let numbers = [
+            (Side::Controller, "arm.inertia"),
+            (Side::Plant, "arm.inertia"),
+            (Side::Controller, "feedback.law"),
+            (Side::Plant, "arm.cogging_cos[2]"),
+        ];
+        let numbers = numbers.map(|(side, name)| values.number(pair, side, name).unwrap());
+        Ok((values, numbers.to_vec()))
+    }
+
+    fn ssv(parameters: &str) -> tempfile::NamedTempFile {
+        let mut file = tempfile::NamedTempFile::with_suffix(".ssv").unwrap();
+        write!(
+            file,
+            r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssv:ParameterSet version="1.0" name="p"
+  xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+<ssv:Parameters>
+{parameters}
+</ssv:Parameters>
+<ssv:Units><ssc:Unit name="kg.m2"><ssc:BaseUnit kg="1" m="2" rad="-1"/></ssc:Unit>
+<ssc:Unit name="rad"><ssc:BaseUnit rad="1"/></ssc:Unit></ssv:Units>
+</ssv:ParameterSet>"#
+        )
+        .unwrap();
+        file
+    }
+
+    fn file(ssv: &tempfile::NamedTempFile, side: &str) -> ParameterFile {
+        format!("{side}{}", ssv.path().display()).parse().unwrap()
+    }
+
+    const INERTIA: &str = r#"<ssv:Parameter name="arm.inertia"><ssv:Real value="0.09" unit="kg.m2"/></ssv:Parameter>"#;
+
+    #[test]
+    fn later_values_win_and_sides_are_kept_apart() {
+        assert_eq!(read(&[], &[]).unwrap().1, [0.0818, 0.0818, 1.0, -0.2366]);
+        let heavy = ssv(INERTIA);
+        let both = file(&heavy, "");
+        assert_eq!(read(&[both.clone()], &[]).unwrap().1[..2], [0.09, 0.09]);
+        assert_eq!(
+            read(&[file(&heavy, "plant=")], &[]).unwrap().1[..2],
+            [0.0818, 0.09]
+        );
+        let sets = [
+            "controller:arm.inertia=0.1",
+            "feedback.law=lqri",
+            "arm.cogging_cos[2]=1",
+        ];
+        let (values, numbers) = read(&[both], &sets).unwrap();
+        assert_eq!(numbers, [0.1, 0.09, 2.0, 1.0]);
+        assert_eq!(values.of(Side::Controller).len(), 3);
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let error = |files: &[ParameterFile], sets: &[&str]| read(files, sets).unwrap_err();
+        let ends = |message: String, end: &str| assert!(message.ends_with(end), "{message}");
+        let begins =
+            |message: String, begin: &str| assert!(message.starts_with(begin), "{message}");
+        begins(
+            error(&[], &["nmpc.horizn=40"]),
+            "--set: neither FMU has a variable nmpc.horizn, did you mean nmpc.horizon?",
+        );
+        ends(
+            error(&[], &["nmpc.horizon=1"]),
+            "nmpc.horizon = 1: must be in [2, 400]",
+        );
+        ends(
+            error(&[], &["arm.inertia=-1"]),
+            "arm.inertia = -1: must be in [0.000000001, 1000000] kg.m2",
+        );
+        ends(
+            error(&[], &["feedback.law=lqg"]),
+            "expected one of lqr, lqri, pid",
+        );
+        ends(
+            error(&[], &["nmpc.horizon=4.5"]),
+            "expected an integer from -2147483648 to 2147483647",
+        );
+        ends(
+            error(&[], &["arm.inertia=heavy"]),
+            "arm.inertia = \"heavy\": expected a finite number",
+        );
+        ends(
+            error(&[], &["velocity=1"]),
+            "plant.velocity is an output that cannot be set",
+        );
+        assert!(read(&[], &["torque=1"]).is_ok(), "an input of the plant");
+        ends(
+            error(&[], &["arm.cogging_cos=1"]),
+            "arm.cogging_cos[1] to arm.cogging_cos[9]",
+        );
+        let wrong = ssv(&INERTIA.replace("kg.m2", "rad"));
+        ends(
+            error(&[file(&wrong, "")], &[]),
+            ":6: arm.inertia is given in rad, but its unit is kg.m2",
+        );
+        let typo = ssv(&INERTIA.replace("inertia", "inertya"));
+        assert!(
+            error(&[file(&typo, "plant=")], &[])
+                .contains(":6: plant has no variable arm.inertya, did you mean arm.inertia?")
+        );
+        assert!("x".parse::<Assignment>().is_err());
+    }
+}
