@@ -141,7 +141,11 @@ impl<U: Unit> Instance<U> {
         let mut targets = values.iter_mut();
         for &reference in references {
             let (variable, first, count) = locate::<U>(reference, addressing)?;
-            if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
+            let given = matches!(
+                variable.causality,
+                Causality::Parameter | Causality::Input | Causality::Independent
+            );
+            if !given {
                 self.refresh();
             }
             for (index, target) in (first..first + count).zip(&mut targets) {

@@ -1,0 +1,16 @@
+//! The C interface as an importer sees it, in both versions.
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "pointers come from live references, instances from the instantiation"
+)]
+
+mod allocation;
+mod binary;
+mod exchange;
+mod lifecycle;
+mod logging;
+mod session;
+mod states;
+mod steps;
+mod toy;
+mod values;

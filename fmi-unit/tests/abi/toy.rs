@@ -1,0 +1,380 @@
+//! The unit under test: a lag x' = (u − x)/τ whose input is sampled by a clock, with ways to fail.
+
+use fmi_unit::{
+    Causality, Failure, Kind, Log, Model, Severity, Unit, Values, ValuesMut, Variability, Variable,
+    Variables,
+};
+use serde::{Deserialize, Serialize};
+use std::slice::{from_mut, from_ref};
+
+pub const TIME: u32 = 0;
+pub const U: u32 = 1;
+pub const X: u32 = 2;
+pub const SAMPLES: u32 = 4;
+pub const SAMPLED: u32 = 5;
+pub const HOLD: u32 = 6;
+pub const BEHAVIOUR: u32 = 7;
+pub const GAIN: u32 = 10;
+pub const PERIOD: u32 = 20;
+pub const TAU: u32 = 21;
+pub const SEED: u32 = 22;
+pub const BIAS: u32 = 23;
+pub const TWICE: u32 = 24;
+
+/// Values of `behaviour`.
+pub const NORMAL: i64 = 1;
+pub const FAIL_IN_EVENT: i64 = 2;
+pub const PANIC_IN_EVENT: i64 = 3;
+pub const STUCK: i64 = 4;
+pub const PANIC_IN_NEW: i64 = 5;
+pub const PANIC_IN_OUTPUTS: i64 = 6;
+pub const PANIC_IN_DROP: i64 = 7;
+pub const FAIL_IN_ADVANCE: i64 = 8;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToyVariables {
+    pub u: f64,
+    pub x: f64,
+    pub der_x: f64,
+    pub samples: i32,
+    pub sampled: f64,
+    /// Input: the clock ticks but samples nothing.
+    pub hold: bool,
+    pub behaviour: i64,
+    /// Jump of x at an event; threshold of x for a step event; unused.
+    pub gain: [f64; 3],
+    pub period: f64,
+    pub tau: f64,
+    pub seed: i32,
+    pub bias: f64,
+    /// Output: 2 u, without any delay.
+    pub twice: f64,
+}
+
+impl Default for ToyVariables {
+    fn default() -> Self {
+        Self {
+            u: 0.0,
+            x: 0.0,
+            der_x: 0.0,
+            samples: 0,
+            sampled: 0.0,
+            hold: false,
+            behaviour: NORMAL,
+            gain: [0.0; 3],
+            period: 0.1,
+            tau: 1.0,
+            seed: 1,
+            bias: 0.0,
+            twice: 0.0,
+        }
+    }
+}
+
+const REAL: Variable = Variable {
+    name: "",
+    value_reference: 0,
+    length: 1,
+    is_array: false,
+    kind: Kind::Float64,
+    causality: Causality::Parameter,
+    variability: Variability::Fixed,
+    min: f64::NEG_INFINITY,
+    max: f64::INFINITY,
+    unit: "s",
+    items: &[],
+};
+
+const fn real(name: &'static str, value_reference: u32, causality: Causality) -> Variable {
+    Variable {
+        name,
+        value_reference,
+        causality,
+        variability: Variability::Continuous,
+        ..REAL
+    }
+}
+
+static MODEL: Model = Model {
+    name: "Toy",
+    token: "{toy}",
+    variables: &[
+        real("time_", TIME, Causality::Independent),
+        real("u", U, Causality::Input),
+        real("x", X, Causality::Output),
+        real("der(x)", 3, Causality::Local),
+        Variable {
+            kind: Kind::Int32,
+            variability: Variability::Discrete,
+            ..real("samples", SAMPLES, Causality::Output)
+        },
+        real("sampled", SAMPLED, Causality::Output),
+        Variable {
+            kind: Kind::Boolean,
+            variability: Variability::Discrete,
+            ..real("hold", HOLD, Causality::Input)
+        },
+        Variable {
+            kind: Kind::Enumeration,
+            variability: Variability::Discrete,
+            items: &[
+                (NORMAL, "normal"),
+                (FAIL_IN_EVENT, "fail_in_event"),
+                (PANIC_IN_EVENT, "panic_in_event"),
+                (STUCK, "stuck"),
+                (PANIC_IN_NEW, "panic_in_new"),
+                (PANIC_IN_OUTPUTS, "panic_in_outputs"),
+                (PANIC_IN_DROP, "panic_in_drop"),
+                (FAIL_IN_ADVANCE, "fail_in_advance"),
+            ],
+            ..real("behaviour", BEHAVIOUR, Causality::Input)
+        },
+        Variable {
+            name: "gain",
+            value_reference: GAIN,
+            length: 3,
+            is_array: true,
+            min: 0.0,
+            max: 10.0,
+            unit: "N.m",
+            ..REAL
+        },
+        Variable {
+            name: "period",
+            value_reference: PERIOD,
+            min: 1e-6,
+            max: 1e6,
+            ..REAL
+        },
+        Variable {
+            name: "tau",
+            value_reference: TAU,
+            min: 1e-9,
+            ..REAL
+        },
+        Variable {
+            name: "seed",
+            value_reference: SEED,
+            kind: Kind::Int32,
+            min: 0.0,
+            max: 100.0,
+            unit: "",
+            ..REAL
+        },
+        Variable {
+            name: "bias",
+            value_reference: BIAS,
+            variability: Variability::Tunable,
+            ..REAL
+        },
+        real("twice", TWICE, Causality::Output),
+    ],
+    states: &[X],
+    derivatives: &[3],
+    model_exchange: true,
+    log_categories: &[
+        "logStatusError",
+        "logStatusWarning",
+        "logStatusFatal",
+        "logEvents",
+    ],
+};
+
+impl Variables for ToyVariables {
+    const MODEL: &'static Model = &MODEL;
+
+    fn values(&self, value_reference: u32) -> Option<Values<'_>> {
+        Some(match value_reference {
+            U => Values::Float64(from_ref(&self.u)),
+            X => Values::Float64(from_ref(&self.x)),
+            3 => Values::Float64(from_ref(&self.der_x)),
+            SAMPLES => Values::Int32(from_ref(&self.samples)),
+            SAMPLED => Values::Float64(from_ref(&self.sampled)),
+            HOLD => Values::Boolean(from_ref(&self.hold)),
+            BEHAVIOUR => Values::Enumeration(from_ref(&self.behaviour)),
+            GAIN => Values::Float64(&self.gain),
+            PERIOD => Values::Float64(from_ref(&self.period)),
+            TAU => Values::Float64(from_ref(&self.tau)),
+            SEED => Values::Int32(from_ref(&self.seed)),
+            BIAS => Values::Float64(from_ref(&self.bias)),
+            TWICE => Values::Float64(from_ref(&self.twice)),
+            _ => return None,
+        })
+    }
+
+    fn values_mut(&mut self, value_reference: u32) -> Option<ValuesMut<'_>> {
+        Some(match value_reference {
+            U => ValuesMut::Float64(from_mut(&mut self.u)),
+            X => ValuesMut::Float64(from_mut(&mut self.x)),
+            3 => ValuesMut::Float64(from_mut(&mut self.der_x)),
+            SAMPLES => ValuesMut::Int32(from_mut(&mut self.samples)),
+            SAMPLED => ValuesMut::Float64(from_mut(&mut self.sampled)),
+            HOLD => ValuesMut::Boolean(from_mut(&mut self.hold)),
+            BEHAVIOUR => ValuesMut::Enumeration(from_mut(&mut self.behaviour)),
+            GAIN => ValuesMut::Float64(&mut self.gain),
+            PERIOD => ValuesMut::Float64(from_mut(&mut self.period)),
+            TAU => ValuesMut::Float64(from_mut(&mut self.tau)),
+            SEED => ValuesMut::Int32(from_mut(&mut self.seed)),
+            BIAS => ValuesMut::Float64(from_mut(&mut self.bias)),
+            TWICE => ValuesMut::Float64(from_mut(&mut self.twice)),
+            _ => return None,
+        })
+    }
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ToyState {
+    x: f64,
+    ticks: u64,
+    sampled: f64,
+    samples: i32,
+    behaviour: i64,
+}
+
+pub struct Toy {
+    start: f64,
+    period: f64,
+    tau: f64,
+    gain: [f64; 3],
+    state: ToyState,
+}
+
+impl Toy {
+    fn derivative(&self, u: f64) -> f64 {
+        (u - self.state.x) / self.tau
+    }
+}
+
+impl Drop for Toy {
+    fn drop(&mut self) {
+        if self.state.behaviour == PANIC_IN_DROP && !std::thread::panicking() {
+            panic!("told to panic in drop");
+        }
+    }
+}
+
+impl Unit for Toy {
+    type Variables = ToyVariables;
+    type State = ToyState;
+
+    fn initial_outputs(v: &mut ToyVariables) {
+        v.x = v.bias;
+        v.der_x = (v.u - v.bias) / v.tau;
+        v.twice = 2.0 * v.u;
+    }
+
+    fn new(v: &mut ToyVariables, start: f64) -> Result<Self, Vec<Failure>> {
+        if v.behaviour == PANIC_IN_NEW {
+            panic!("told to panic in new");
+        }
+        let mut failures = Vec::new();
+        if v.gain[0] > v.gain[1] + 9.0 {
+            failures.push(Failure("gain[1] is too large".into()));
+        }
+        if v.seed == 13 {
+            failures.push(Failure("seed = 13 is unlucky".into()));
+        }
+        if !failures.is_empty() {
+            return Err(failures);
+        }
+        Ok(Self {
+            start,
+            period: v.period,
+            tau: v.tau,
+            gain: v.gain,
+            state: ToyState {
+                x: v.bias,
+                ticks: 0,
+                sampled: 0.0,
+                samples: 0,
+                behaviour: v.behaviour,
+            },
+        })
+    }
+
+    fn state(&self) -> &ToyState {
+        &self.state
+    }
+
+    fn set_state(&mut self, state: &ToyState) -> Result<(), Failure> {
+        self.state.clone_from(state);
+        Ok(())
+    }
+
+    fn next_event(&self) -> f64 {
+        self.start + self.state.ticks as f64 * self.period
+    }
+
+    fn event(&mut self, v: &mut ToyVariables, time: f64, log: &mut Log<'_>) -> Result<(), Failure> {
+        self.state.behaviour = v.behaviour;
+        match v.behaviour {
+            FAIL_IN_EVENT => return Err(Failure(format!("told to fail at {time} s"))),
+            PANIC_IN_EVENT => panic!("told to panic at {time} s, 100%s\0!"),
+            STUCK => return Ok(()),
+            _ => {}
+        }
+        if time < self.next_event() - 1e-6 {
+            // A step event: fold x back.
+            self.state.x -= self.gain[1];
+            return Ok(());
+        }
+        self.state.ticks += 1;
+        self.state.x += self.gain[0];
+        if !v.hold {
+            self.state.sampled = v.u;
+            self.state.samples = self.state.samples.saturating_add(1);
+        }
+        if v.u.is_nan() {
+            let message = format_args!("u is not a number at {time} s");
+            log.write(Severity::Warning, "logStatusWarning", message);
+        }
+        log.write(
+            Severity::Info,
+            "logEvents",
+            format_args!("sample at {time} s"),
+        );
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        v: &mut ToyVariables,
+        from: f64,
+        to: f64,
+        _: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        if v.behaviour == FAIL_IN_ADVANCE {
+            return Err(Failure(format!("told to fail at {from} s")));
+        }
+        let decay = (-(to - from) / self.tau).exp();
+        self.state.x = v.u + (self.state.x - v.u) * decay;
+        Ok(())
+    }
+
+    fn outputs(&self, v: &mut ToyVariables) {
+        if v.behaviour == PANIC_IN_OUTPUTS {
+            panic!("told to panic in outputs");
+        }
+        v.x = self.state.x;
+        v.der_x = self.derivative(v.u);
+        v.samples = self.state.samples;
+        v.sampled = self.state.sampled;
+        v.twice = 2.0 * v.u;
+    }
+
+    fn continuous_states(&self, states: &mut [f64]) {
+        states[0] = self.state.x;
+    }
+
+    fn set_continuous_states(&mut self, states: &[f64]) {
+        self.state.x = states[0];
+    }
+
+    fn derivatives(&self, v: &ToyVariables, derivatives: &mut [f64]) {
+        derivatives[0] = self.derivative(v.u);
+    }
+
+    fn completed_step(&mut self, _: &ToyVariables, _: f64) -> bool {
+        self.gain[1] > 0.0 && self.state.x > self.gain[1]
+    }
+}
