@@ -43,12 +43,12 @@ class CoSimulation:
             "modelIdentifier": self.description.coSimulation.modelIdentifier,
             "instanceName": path.stem,
         }
+        kwargs["guid"] = self.description.instantiationToken if self.fmi3 else self.description.guid
         if self.fmi3:
-            token = self.description.instantiationToken
-            self.fmu = FMU3Slave(instantiationToken=token, **kwargs)
+            self.fmu = FMU3Slave(**kwargs)
             self.fmu.instantiate(loggingOn=log is not None, logMessage=log)
         else:
-            self.fmu = FMU2Slave(guid=self.description.guid, **kwargs)
+            self.fmu = FMU2Slave(**kwargs)
             callbacks = None
             if log is not None:
                 callbacks = fmpy.fmi2.fmi2CallbackFunctions()
