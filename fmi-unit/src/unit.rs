@@ -23,6 +23,9 @@ pub struct Failure(pub String);
 ///
 /// Nothing that runs after `new` may allocate, lock, print or panic.
 ///
+/// Outputs are refreshed when the importer reads them, so that [`Unit::event`] and [`Unit::advance`] must
+/// not depend on output variables: what they need belongs to `State`.
+///
 /// A snapshot is `Variables` and `State`, so both together must hold everything that `new` does not
 /// derive from the parameters.
 pub trait Unit: Sized + Send + 'static {

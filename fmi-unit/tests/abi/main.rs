@@ -7,6 +7,8 @@
 mod allocation;
 mod binary;
 mod exchange;
+mod importer;
+mod legality;
 mod lifecycle;
 mod logging;
 mod session;
