@@ -16,7 +16,7 @@ use super::conic::Conic;
 use super::problem::{FeedbackModel, Initial, Problem};
 use super::rest::RestPoints;
 use super::settings::Settings;
-use super::solver::{Outcome, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
+use super::solver::{ANGLE_TOLERANCE, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
 use super::spline::{self, Spline};
 use super::transcription::{Rollout, Transcription};
 use super::unconstrained::Unconstrained;
@@ -90,6 +90,7 @@ pub struct Planner {
     state: PlannerState,
     plan: Plan,
     spline: Spline,
+    shifted: Rollout,
     guess: Vec<f64>,
     guess_trajectory: Rollout,
 }
@@ -143,6 +144,7 @@ impl Planner {
                 trajectory: Rollout::new(horizon),
             },
             spline: Spline::new(horizon, period),
+            shifted: Rollout::new(horizon),
             guess: vec![0.0; horizon],
             guess_trajectory: Rollout::new(horizon),
             transcription,
@@ -209,48 +211,65 @@ impl Planner {
             trajectory,
             ..
         } = &mut self.plan;
+        (*iterations, *convex_problems) = (0, 1);
         let settled = self.unconstrained.solve(transcription, moves, trajectory);
+        let cost_scale = trajectory.cost.max(self.least_scale);
         bound_angle(&mut self.angle_bounds, transcription.problem(), trajectory);
-        let task = Task {
-            transcription,
-            angle_bounds: &self.angle_bounds,
-            cost_scale: trajectory.cost.max(self.least_scale),
-            excess_weight: EXCESS_WEIGHT,
-        };
-        let mut outcome = Outcome {
-            status: SolverStatus::Solved,
-            iterations: 0,
-            convex_problems: 1,
-        };
+        let mut status = SolverStatus::Solved;
         if let Some(solver) = &mut self.solver
-            && !(settled && task.admits(trajectory))
+            && !(settled && task(transcription, &self.angle_bounds, cost_scale).admits(trajectory))
         {
             if self.state.left > 0 {
-                transcription.roll_out(&self.state.moves, &mut self.guess_trajectory);
+                transcription.roll_out(&self.state.moves, &mut self.shifted);
+                self.spline.fit(&self.shifted);
                 self.spline.fix_ends(transcription);
-                self.spline.fit(&self.guess_trajectory);
                 self.spline.moves(&mut self.guess);
                 transcription.roll_out(&self.guess, &mut self.guess_trajectory);
+                let task = task(transcription, &self.angle_bounds, cost_scale);
                 if task.merit(&self.guess_trajectory) < task.merit(trajectory) {
                     moves.copy_from_slice(&self.guess);
-                    std::mem::swap(trajectory, &mut self.guess_trajectory);
+                    trajectory.clone_from(&self.guess_trajectory);
                 }
             }
-            outcome = solver.solve(&task, moves, trajectory);
+            let mut outcome = solver.solve(
+                &task(transcription, &self.angle_bounds, cost_scale),
+                moves,
+                trajectory,
+            );
+            (*iterations, *convex_problems) = (outcome.iterations, outcome.convex_problems);
+            if outcome.status == SolverStatus::Infeasible {
+                // So short a horizon leaves too little freedom: allow what terminal rest takes.
+                self.unconstrained.solve(transcription, moves, trajectory);
+                widen(&mut self.angle_bounds, trajectory);
+                outcome = solver.solve(
+                    &task(transcription, &self.angle_bounds, cost_scale),
+                    moves,
+                    trajectory,
+                );
+                *iterations += outcome.iterations;
+                *convex_problems += outcome.convex_problems;
+            }
+            status = outcome.status;
         }
-        *iterations = outcome.iterations;
-        *convex_problems = outcome.convex_problems;
         if !trajectory.is_finite() || moves.iter().any(|u| !u.is_finite()) {
             return None;
         }
-        match outcome.status {
-            SolverStatus::Solved if trajectory.excess > THERMAL_TOLERANCE => {
-                Some(PlanStatus::ThermalSlack)
-            }
+        let task = task(transcription, &self.angle_bounds, cost_scale);
+        let over = trajectory.excess > THERMAL_TOLERANCE;
+        match status {
+            SolverStatus::Solved if over => Some(PlanStatus::ThermalSlack),
             SolverStatus::Solved if *goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
             SolverStatus::IterationLimit if task.admits(trajectory) => {
                 Some(PlanStatus::IterationLimit)
+            }
+            // Excess is near its least long before the sequence settles; it is taken where the shifted
+            // plan would exceed the limit as well.
+            SolverStatus::IterationLimit
+                if task.angle_excess(trajectory) <= ANGLE_TOLERANCE
+                    && (self.state.left == 0 || self.shifted.excess > THERMAL_TOLERANCE) =>
+            {
+                Some(PlanStatus::ThermalSlack)
             }
             SolverStatus::IterationLimit | SolverStatus::Infeasible => None,
         }
@@ -269,9 +288,11 @@ impl Planner {
         moves.copy_from_slice(&self.state.moves);
         let gained: f64 = moves.iter().sum::<f64>() * transcription.problem().period;
         let rest = initial.reference_velocity + gained;
-        let speed = moves.iter().fold(initial.reference_velocity.abs(), |most, u| {
-            most.max((u * transcription.problem().period).abs())
-        });
+        let speed = moves
+            .iter()
+            .fold(initial.reference_velocity.abs(), |most, u| {
+                most.max((u * transcription.problem().period).abs())
+            });
         *status = PlanStatus::ShiftedPlan;
         if self.state.left == 0 || (finite && rest.abs() > REST_TOLERANCE * speed.max(1.0)) {
             *status = PlanStatus::Rest;
@@ -281,6 +302,20 @@ impl Planner {
         if finite {
             transcription.roll_out(moves, trajectory);
         }
+    }
+}
+
+/// The task at hand, with the planner's price of thermal excess.
+fn task<'a>(
+    transcription: &'a Transcription,
+    angle_bounds: &'a [[f64; 2]],
+    cost_scale: f64,
+) -> Task<'a> {
+    Task {
+        transcription,
+        angle_bounds,
+        cost_scale,
+        excess_weight: EXCESS_WEIGHT,
     }
 }
 
@@ -297,6 +332,13 @@ fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) 
             if below { angle } else { lower },
             if above { angle } else { upper },
         ];
+    }
+}
+
+/// Widens the bounds so that `trajectory` keeps them.
+fn widen(bounds: &mut [[f64; 2]], trajectory: &Rollout) {
+    for ([lower, upper], &angle) in bounds.iter_mut().zip(&trajectory.reference_angle[1..]) {
+        (*lower, *upper) = (lower.min(angle), upper.max(angle));
     }
 }
 

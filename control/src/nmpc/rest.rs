@@ -139,7 +139,10 @@ mod tests {
         problem.arm.offset = 5.0;
         let rest = RestPoints::new(&problem).nearest(1.0);
         let least = (0..=1000)
-            .map(|i| problem.angle_lower + (problem.angle_upper - problem.angle_lower) * f64::from(i) / 1000.0)
+            .map(|i| {
+                problem.angle_lower
+                    + (problem.angle_upper - problem.angle_lower) * f64::from(i) / 1000.0
+            })
             .map(|angle| problem.arm.position_torque(angle).abs())
             .fold(f64::INFINITY, f64::min);
         assert!((problem.arm.position_torque(rest).abs() - least).abs() < 1e-2);

@@ -116,9 +116,27 @@ impl Settings {
         let horizon = f64::from(self.horizon);
         require(errors, "nmpc.horizon", horizon, [2.0, 400.0], "1");
         require(errors, "nmpc.weight_angle", weights.angle, WEIGHT, "1");
-        require(errors, "nmpc.weight_velocity", weights.velocity, WEIGHT, "s2");
-        require(errors, "nmpc.weight_integral", weights.integral, WEIGHT, "1/s2");
-        require(errors, "nmpc.weight_thermal", weights.thermal, WEIGHT, "rad2/A4");
+        require(
+            errors,
+            "nmpc.weight_velocity",
+            weights.velocity,
+            WEIGHT,
+            "s2",
+        );
+        require(
+            errors,
+            "nmpc.weight_integral",
+            weights.integral,
+            WEIGHT,
+            "1/s2",
+        );
+        require(
+            errors,
+            "nmpc.weight_thermal",
+            weights.thermal,
+            WEIGHT,
+            "rad2/A4",
+        );
         require(
             errors,
             "nmpc.weight_acceleration",
@@ -128,7 +146,13 @@ impl Settings {
         );
         let half_range = 0.5 * (limits.angle_upper - limits.angle_lower);
         let margin = [0.0, half_range.min(1e3)];
-        require(errors, "nmpc.angle_margin", self.angle_margin, margin, "rad");
+        require(
+            errors,
+            "nmpc.angle_margin",
+            self.angle_margin,
+            margin,
+            "rad",
+        );
         let share = [1e-3, 1.0];
         require(errors, "nmpc.thermal_share", self.thermal_share, share, "1");
     }

@@ -122,13 +122,77 @@ pub fn hessian(transcription: &Transcription) -> DMatrix<f64> {
         homogeneous.follow(&moves, &mut rollout);
         homogeneous.differentiate(&moves, &rollout, &mut sensitivity);
         let mut column = hessian.column_mut(m);
-        gather(
-            problem.period,
-            &sensitivity,
-            column.as_mut_slice(),
-        );
+        gather(problem.period, &sensitivity, column.as_mut_slice());
     }
     // Rounding only: both triangles describe the same form.
     let transposed = hessian.transpose();
     (hessian + transposed) * 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{any_initial, any_moves, pendulum, tflex};
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn moves_of_any_spline_lead_from_start_to_terminal_rest(
+            initial in any_initial(), goal in 0.1..1.4, free in prop::collection::vec(0.0..1.5, 38),
+        ) {
+            let mut transcription = Transcription::new(pendulum());
+            transcription.set(initial, goal);
+            let mut spline = Spline::new(40, transcription.problem().period);
+            spline.free().copy_from_slice(&free);
+            spline.fix_ends(&transcription);
+            let mut moves = vec![0.0; 40];
+            spline.moves(&mut moves);
+            let mut rollout = Rollout::new(40);
+            transcription.roll_out(&moves, &mut rollout);
+            prop_assert!((rollout.angle[40] - goal).abs() < 1e-9);
+            let [angle, velocity] = transcription.terminal_reference();
+            prop_assert!((rollout.reference_angle[40] - angle).abs() < 1e-9);
+            prop_assert!((rollout.reference_velocity[40] - velocity).abs() < 1e-9);
+            // And back: the rollout's nodes give the coefficients.
+            let mut again = spline.clone();
+            again.free().fill(0.0);
+            again.fit(&rollout);
+            for (c, expected) in again.free().iter().zip(&free) {
+                prop_assert!((c - expected).abs() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn gradient_and_hessian_describe_the_cost(
+            initial in any_initial(), goal in 0.1..1.4, step in any_moves(38), integral: bool,
+        ) {
+            let mut problem = tflex();
+            problem.weights.thermal = 0.0;
+            problem.weights.integral = if integral { 0.5 } else { 0.0 };
+            let mut transcription = Transcription::new(problem);
+            transcription.set(initial, goal);
+            let mut spline = Spline::new(40, problem.period);
+            spline.free().fill(goal);
+            spline.fix_ends(&transcription);
+            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
+            let mut cost = |spline: &Spline| {
+                spline.moves(&mut moves);
+                transcription.roll_out(&moves, &mut rollout);
+                let mut sensitivity = Sensitivity::new(40);
+                transcription.differentiate(&moves, &rollout, &mut sensitivity);
+                let mut gradient = nalgebra::DVector::zeros(38);
+                gather(problem.period, &sensitivity, gradient.as_mut_slice());
+                (rollout.cost, gradient)
+            };
+            let (before, gradient) = cost(&spline);
+            let step = nalgebra::DVector::from_vec(step) * 1e-2;
+            for (c, step) in spline.free().iter_mut().zip(step.iter()) {
+                *c += step;
+            }
+            let (after, _) = cost(&spline);
+            let curvature = (hessian(&transcription) * &step).dot(&step);
+            let expected = before + gradient.dot(&step) + 0.5 * curvature;
+            prop_assert!((after - expected).abs() <= 1e-9 * after, "{after} {expected}");
+        }
+    }
 }

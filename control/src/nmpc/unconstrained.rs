@@ -75,3 +75,34 @@ impl Unconstrained {
         decrement
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{any_initial, pendulum, tflex};
+    use super::super::spline::hessian;
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// No other spline with the same ends is cheaper, nor is the gradient anything but zero.
+        #[test]
+        fn the_optimum_is_stationary(
+            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool,
+        ) {
+            let mut problem = if flexure { tflex() } else { pendulum() };
+            problem.weights.integral = if integral { 1.0 } else { 0.0 };
+            let mut transcription = Transcription::new(problem);
+            transcription.set(initial, goal);
+            let hessian = hessian(&transcription);
+            let mut unconstrained = Unconstrained::new(&transcription, &hessian).expect("definite");
+            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
+            prop_assert!(unconstrained.solve(&transcription, &mut moves, &mut rollout));
+            prop_assert!((rollout.angle[40] - goal).abs() < 1e-9);
+            // What another Newton step would still gain.
+            transcription.differentiate(&moves, &rollout, &mut unconstrained.sensitivity);
+            gather(problem.period, &unconstrained.sensitivity, unconstrained.step.as_mut_slice());
+            let left = unconstrained.newton_step();
+            prop_assert!(left <= 1e-10 * rollout.cost, "{left} of {}", rollout.cost);
+        }
+    }
+}

@@ -11,7 +11,7 @@
 //! Without a thermal limit only x and its bounds are there.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DataUpdateError, DefaultSolver, SupportedConeT};
+use clarabel::solver::{DataUpdateError, DefaultSolution, DefaultSolver, SupportedConeT};
 use nalgebra::DMatrix;
 
 use super::super::solver::Task;
@@ -25,12 +25,12 @@ const BOUNDS: usize = 4;
 
 /// What an answer to the convex problem promises of the true one.
 pub struct Promise {
-    /// Change of the spline's coefficients per unit of x \[rad\].
-    pub sigma: f64,
-    /// Change of the cost \[rad²·s\].
-    pub cost_change: f64,
+    /// Decrease of the merit.
+    pub decrease: f64,
     /// Largest thermal excess \[A²\].
     pub excess: f64,
+    /// What true cost and priced true loads miss it by, in units of the cost scale.
+    pub misjudged: f64,
 }
 
 /// The convex problem: patterns fixed at set-up, values posed around a trajectory.
@@ -61,7 +61,11 @@ impl Convex {
         let problem = transcription.problem();
         let (horizon, free) = (problem.horizon, problem.horizon - 2);
         // An integral in the cost couples every pair of coefficients, all else only neighbours.
-        let band = if problem.weights.integral > 0.0 { free - 1 } else { 2 };
+        let band = if problem.weights.integral > 0.0 {
+            free - 1
+        } else {
+            2
+        };
         let mut convex = Self {
             horizon,
             free,
@@ -168,8 +172,8 @@ impl Convex {
         CscMatrix::new(shape.0, shape.1, starts, rows, values)
     }
 
-    /// σ \[rad\].
-    fn sigma(&self, task: &Task<'_>) -> f64 {
+    /// σ, change of the spline's coefficients per unit of x \[rad\].
+    pub fn sigma(&self, task: &Task<'_>) -> f64 {
         (task.cost_scale / self.max_curvature).sqrt()
     }
 
@@ -182,7 +186,9 @@ impl Convex {
         transcription.differentiate(moves, rollout, &mut self.sensitivity);
         let gradient = &mut self.q[..self.free];
         gather(problem.period, &self.sensitivity, gradient);
-        gradient.iter_mut().for_each(|q| *q *= sigma / task.cost_scale);
+        gradient
+            .iter_mut()
+            .for_each(|q| *q *= sigma / task.cost_scale);
 
         let (upper, lower) = self.b.split_at_mut(self.horizon - 1);
         for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
@@ -258,9 +264,17 @@ impl Convex {
         std::array::from_fn(|column| (0..3).map(|row| gradient[row] * stencil[row][column]).sum())
     }
 
-    /// What the answer `x` promises.
-    pub fn promise(&self, task: &Task<'_>, x: &[f64]) -> Promise {
-        let mut change = 0.0;
+    /// What the answer `solution` promises, `from` being the trajectory that it started from, and how
+    /// far its true trajectory `trial` misses it.
+    pub fn promise(
+        &self,
+        task: &Task<'_>,
+        solution: &DefaultSolution<f64>,
+        from: &Rollout,
+        trial: &Rollout,
+    ) -> Promise {
+        let x = &solution.x;
+        let mut cost_change = 0.0;
         for m in 0..self.free {
             let mut row = 0.0;
             for place in self.p.colptr[m]..self.p.colptr[m + 1] {
@@ -268,14 +282,21 @@ impl Convex {
                 let half = if self.p.rowval[place] == m { 0.5 } else { 1.0 };
                 row += half * self.p.nzval[place] * x[self.p.rowval[place]];
             }
-            change += x[m] * (self.q[m] + row / (1.0 + self.damping));
+            cost_change += x[m] * (self.q[m] + row / (1.0 + self.damping));
         }
-        let limit = task.transcription.problem().thermal_limit.unwrap_or(0.0);
-        let slacks = x[self.free + self.loads..].iter();
+        let unit = self.heat_weight * task.transcription.problem().thermal_limit.unwrap_or(0.0);
+        let (loads, slacks) = x[self.free..].split_at(self.loads);
+        let prices = &solution.z[self.room_row()..];
+        let mut misjudged = ((trial.cost - from.cost) / task.cost_scale - cost_change).abs();
+        for (k, (load, price)) in loads.iter().zip(prices).enumerate() {
+            let true_load = (trial.thermal_load[k + 1] - from.thermal_load[k + 1]) / unit;
+            misjudged += price * (load - true_load).abs();
+        }
         Promise {
-            sigma: self.sigma(task),
-            cost_change: change * task.cost_scale,
-            excess: slacks.fold(0.0, |most, s| s.max(most)) * self.heat_weight * limit,
+            decrease: task.excess_weight * (from.total_excess - slacks.iter().sum::<f64>() * unit)
+                - cost_change,
+            excess: slacks.iter().fold(0.0, |most: f64, s| most.max(*s)) * unit,
+            misjudged,
         }
     }
 }
