@@ -214,7 +214,7 @@ impl Controller {
     /// Goes back to a state of a controller with the same settings; what follows is equal to the bit.
     /// [`Controller::plan`] is not brought back.
     pub fn set_state(&mut self, state: &State) {
-        self.state.clone_from(state);
+        self.state = state.clone();
         self.planner.set_state(&state.planner);
     }
 
@@ -310,7 +310,10 @@ impl Controller {
         state.reference.acceleration = plan.moves[0];
         state.goal = plan.goal;
         state.plan_status = plan.status;
-        state.planner.clone_from(self.planner.state());
+        // Field by field, because a derived clone_from allocates.
+        let PlannerState { moves, left } = self.planner.state();
+        state.planner.moves.clone_from(moves);
+        state.planner.left = *left;
         state.next_plan = (state.samples as f64 / self.samples_per_plan) as u64 + 1;
     }
 }

@@ -1,102 +1,104 @@
-//! The planner against optima that IPOPT found for the same problem (`golden/nmpc_*.json`).
-use arm::{Limits, Motor, Parameters};
-use control::nmpc::planner::{PlanStatus, Planner};
-use control::nmpc::problem::{FeedbackModel, Initial, Weights};
-use control::nmpc::settings::Settings;
+//! The planner against optima that IPOPT found for the same problems (`golden/nmpc_*.json`).
+
+mod nmpc_arms;
+
+use control::nmpc::planner::PlanStatus;
+use control::nmpc::problem::Initial;
+use nmpc_arms::{pendulum, tflex};
 use serde_json::Value;
 
-fn planner(model: &str) -> Planner {
-    let (settings, arm, motor, limits, feedback) = match model {
-        "pendulum" => (
-            Settings {
-                weights: Weights {
-                    angle: 1.0,
-                    velocity: 1e-3,
-                    integral: 0.0,
-                    thermal: 0.0,
-                    acceleration: 1e-4,
-                },
-                ..Settings::default()
-            },
-            Parameters::pendulum_mismodelled(),
-            Motor::pendulum(),
-            Limits::pendulum(),
-            FeedbackModel {
-                inertia: 1.0,
-                gain_angle: 100.0,
-                gain_velocity: 14.4914,
-                gain_integral: 0.0,
-            },
-        ),
-        _ => (
-            Settings::default(),
-            Parameters::tflex(),
-            Motor::tflex(),
-            Limits::tflex(),
-            FeedbackModel {
-                inertia: 0.0818,
-                gain_angle: 31.62,
-                gain_velocity: 2.756,
-                gain_integral: 0.0,
-            },
-        ),
+/// A start, its goal, and IPOPT's answer.
+struct Case {
+    initial: Initial,
+    goal: f64,
+    cost: f64,
+    moves: Vec<f64>,
+}
+
+fn cases(model: &str) -> Vec<Case> {
+    let folder = env!("CARGO_MANIFEST_DIR");
+    let path = format!("{folder}/tests/golden/nmpc_{model}.json");
+    let text = std::fs::read_to_string(path).expect("golden file");
+    let golden: Value = serde_json::from_str(&text).expect("JSON");
+    let number = |value: &Value| value.as_f64().expect("number");
+    let numbers = |value: &Value| -> Vec<f64> {
+        value
+            .as_array()
+            .expect("array")
+            .iter()
+            .map(number)
+            .collect()
     };
-    Planner::new(&settings, &arm, &motor, &limits, &feedback).expect("admissible")
+    let cases = golden["cases"].as_array().expect("cases").iter();
+    cases
+        .map(|case| {
+            let x = numbers(&case["x0"]);
+            Case {
+                initial: Initial {
+                    angle: x[0],
+                    velocity: x[1],
+                    reference_angle: x[2],
+                    reference_velocity: x[3],
+                    integral: x[4],
+                    feedback_integral: 0.0,
+                    thermal_load: x[5],
+                },
+                goal: number(&case["goal"]),
+                cost: number(&case["cost"]),
+                moves: numbers(&case["U"]),
+            }
+        })
+        .collect()
+}
+
+fn check(model: &str, most_convex_problems: u32, most_iterations: u32) {
+    let mut planner = match model {
+        "pendulum" => pendulum().planner(),
+        _ => tflex().planner(),
+    };
+    let cases = cases(model);
+    assert_eq!(cases.len(), 15);
+    for (i, case) in cases.iter().enumerate() {
+        // Each case is a cold start.
+        planner.set_state(&Default::default());
+        let plan = planner.plan(&case.initial, case.goal);
+        assert_eq!(plan.status, PlanStatus::Solved, "{model} {i}");
+        assert_eq!(plan.goal, case.goal);
+
+        let largest = case
+            .moves
+            .iter()
+            .fold(0.0, |most, u| f64::max(most, u.abs()));
+        let pairs = plan.moves.iter().zip(&case.moves);
+        let difference = pairs.fold(0.0, |most, (u, v)| f64::max(most, (u - v).abs()));
+        assert!(
+            difference <= 1e-3 * largest,
+            "{model} {i}: moves differ by {difference}"
+        );
+        let cost = plan.trajectory.cost / case.cost - 1.0;
+        assert!(cost.abs() <= 1e-6, "{model} {i}: cost differs by {cost:e}");
+        let excess = plan.trajectory.excess;
+        assert!(excess <= 1e-6, "{model} {i}: thermal excess {excess:e}");
+        let end = plan.trajectory.angle[40] - case.goal;
+        assert!(end.abs() <= 1e-9, "{model} {i}: misses the goal by {end:e}");
+
+        // The work, so that a slower algorithm fails.
+        assert!(plan.convex_problems <= most_convex_problems, "{model} {i}");
+        assert!(
+            plan.iterations <= most_iterations,
+            "{model} {i}: {}",
+            plan.iterations
+        );
+    }
 }
 
 #[test]
-fn golden() {
-    for model in ["pendulum", "tflex"] {
-        let text = std::fs::read_to_string(format!(
-            "{}/tests/golden/nmpc_{model}.json",
-            env!("CARGO_MANIFEST_DIR")
-        ))
-        .expect("golden");
-        let golden: Value = serde_json::from_str(&text).expect("json");
-        let mut planner = planner(model);
-        for case in golden["cases"].as_array().expect("cases") {
-            let x: Vec<f64> = case["x0"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|v| v.as_f64().unwrap())
-                .collect();
-            let initial = Initial {
-                angle: x[0],
-                velocity: x[1],
-                reference_angle: x[2],
-                reference_velocity: x[3],
-                integral: x[4],
-                thermal_load: x[5],
-                feedback_integral: 0.0,
-            };
-            let t = std::time::Instant::now();
-            let plan = planner.plan(&initial, case["goal"].as_f64().unwrap());
-            let dt = t.elapsed().as_secs_f64() * 1e3;
-            let u: Vec<f64> = case["U"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|v| v.as_f64().unwrap())
-                .collect();
-            let umax = u.iter().fold(0.0f64, |m, u| m.max(u.abs()));
-            let du = u
-                .iter()
-                .zip(&plan.moves)
-                .fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-            let c = case["cost"].as_f64().unwrap();
-            println!(
-                "{model} {:?} cp {} it {} cost {:.9e} rel {:+.2e} du {:.2e} excess {:.2e} {:.3} ms",
-                plan.status,
-                plan.convex_problems,
-                plan.iterations,
-                plan.trajectory.cost,
-                plan.trajectory.cost / c - 1.0,
-                du / umax,
-                plan.trajectory.excess,
-                dt
-            );
-            let _ = PlanStatus::Idle;
-        }
-    }
+fn pendulum_plans_equal_the_golden_ones() {
+    check("pendulum", 2, 36);
+}
+
+/// No limit is active on these: the closed form needs no solver.
+#[test]
+fn tflex_plans_equal_the_golden_ones() {
+    check("tflex", 1, 0);
 }

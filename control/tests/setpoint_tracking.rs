@@ -141,3 +141,22 @@ fn planner_beats_the_profile() {
         assert!((1.7..2.0).contains(&ratio), "{}: {ratio}", run.label);
     }
 }
+
+/// A host that steps controller and arm side by side delays every torque by one sample.
+#[test]
+fn one_sample_of_delay_costs_half_a_percent_at_most() {
+    let compare = |make: &dyn Fn() -> Loop, run: &Run| {
+        let prompt = track(make(), &run.setpoints, run.interval).cost;
+        let delayed = track(make().delayed(), &run.setpoints, run.interval);
+        let loss = delayed.cost / prompt - 1.0;
+        println!("{}: {:+.3} %", run.label, 100.0 * loss);
+        assert!(loss.abs() < 0.005, "{}: {loss}", run.label);
+        assert_eq!(delayed.violations, 0, "{}", run.label);
+    };
+    for run in pendulum() {
+        compare(&|| Loop::pendulum(&Settings::pendulum()), &run);
+    }
+    for run in tflex() {
+        compare(&Loop::tflex, &run);
+    }
+}

@@ -13,6 +13,8 @@ pub struct Loop {
     pub limits: Limits,
     pub sample_period: f64,
     pub motion: plant::State,
+    /// Torque of the sample before, if the arm gets every torque one sample late.
+    pub late_torque: Option<f64>,
 }
 
 impl Loop {
@@ -29,7 +31,15 @@ impl Loop {
                 thermal_load: settings.initial_thermal_load,
                 hysteresis: 0.0,
             },
+            late_torque: None,
         }
+    }
+
+    /// The same loop in a host that steps controller and arm side by side: every torque comes one sample
+    /// late. Until the first one comes the arm is held.
+    pub fn delayed(mut self) -> Self {
+        self.late_torque = Some(self.arm.position_torque(self.motion.angle));
+        self
     }
 
     /// The T-flex at the middle of its range, with a perfect model.
@@ -49,11 +59,15 @@ impl Loop {
     /// One sample of the controller, then one of the arm.
     pub fn step(&mut self, setpoint: f64, disturbance: f64) -> Command {
         let command = self.controller.sample(self.motion.angle, setpoint);
+        let torque = match &mut self.late_torque {
+            Some(late) => std::mem::replace(late, command.torque),
+            None => command.torque,
+        };
         self.motion = plant::step(
             &self.arm,
             &self.motor,
             &self.motion,
-            command.torque,
+            torque,
             disturbance,
             self.sample_period,
         );

@@ -1,0 +1,376 @@
+//! What the planner owes whatever it is given: a finite plan, an honest status, limits kept wherever they
+//! can be, and the same answer again after a restore.
+
+mod nmpc_arms;
+
+use control::nmpc::planner::{Plan, PlanStatus, Planner};
+use control::nmpc::problem::Initial;
+use nmpc_arms::{Arm, pendulum, tflex};
+use proptest::prelude::*;
+
+/// Uniform numbers from a seed (SplitMix64).
+struct Uniform(u64);
+
+impl Uniform {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// A start in the workspace with a load between the given shares of the limit, and a goal.
+    fn start(&mut self, arm: &Arm, loads: [f64; 2]) -> (Initial, f64) {
+        let margin = arm.settings.angle_margin;
+        let (low, high) = (
+            arm.limits.angle_lower + margin,
+            arm.limits.angle_upper - margin,
+        );
+        let (angle, goal) = (self.within(low, high), self.within(low, high));
+        let velocity = self.within(low - high, high - low);
+        let load = self.within(loads[0], loads[1]) * arm.thermal_limit();
+        let initial = Initial {
+            angle: angle + self.within(-2e-3, 2e-3),
+            velocity: velocity + self.within(-2e-2, 2e-2),
+            reference_angle: angle,
+            reference_velocity: velocity,
+            thermal_load: load,
+            ..Initial::default()
+        };
+        (initial, goal)
+    }
+}
+
+fn assert_finite(plan: &Plan) {
+    assert!(plan.trajectory.is_finite());
+    assert!(plan.moves.iter().all(|u| u.is_finite()));
+}
+
+/// Plans cold from seeded starts and counts statuses as `[solved, thermal_slack, other]`.
+fn count(arm: &Arm, seed: u64, plans: u32, loads: [f64; 2]) -> [u32; 3] {
+    let (mut uniform, mut planner) = (Uniform(seed), arm.planner());
+    let mut statuses = [0; 3];
+    for _ in 0..plans {
+        let (initial, goal) = uniform.start(arm, loads);
+        planner.set_state(&Default::default());
+        let plan = planner.plan(&initial, goal);
+        assert_finite(plan);
+        let over = plan.trajectory.excess > 1e-6;
+        match plan.status {
+            PlanStatus::Solved | PlanStatus::GoalProjected => {
+                assert!(!over);
+                statuses[0] += 1;
+            }
+            PlanStatus::ThermalSlack => {
+                assert!(over);
+                statuses[1] += 1;
+            }
+            _ => statuses[2] += 1,
+        }
+        assert!(plan.convex_problems <= 8);
+        assert!((plan.trajectory.angle[40] - plan.goal).abs() < 1e-8);
+        let (low, high) = (planner.problem().angle_lower, planner.problem().angle_upper);
+        let nodes = &planner.latest().trajectory.reference_angle[1..40];
+        assert!(
+            nodes
+                .iter()
+                .all(|&angle| low - 1e-6 <= angle && angle <= high + 1e-6)
+        );
+    }
+    statuses
+}
+
+#[test]
+fn random_starts_are_all_solved() {
+    for arm in [pendulum(), tflex()] {
+        let [solved, ..] = count(&arm, 1, 300, [0.0, 0.9]);
+        assert_eq!(solved, 300);
+    }
+}
+
+#[test]
+fn starved_starts_are_solved_or_exceed_the_limit_least() {
+    let [solved, slack, other] = count(&pendulum(), 2, 150, [0.97, 0.998]);
+    assert_eq!(other, 0, "unsolved");
+    // Some of these starts are too fast for the heat they may still make.
+    assert!(slack <= 10, "{slack} of {}", solved + slack);
+}
+
+#[test]
+fn starts_above_the_thermal_limit_are_planned() {
+    for (arm, loads) in [
+        (pendulum(), [1.0, 1.002]),
+        (pendulum(), [1.0, 1.5]),
+        (tflex(), [1.0, 1.2]),
+    ] {
+        let [_, slack, other] = count(&arm, 3, 60, loads);
+        assert_eq!(other, 0, "unsolved");
+        assert!(slack > 0);
+    }
+}
+
+#[test]
+fn far_above_the_limit_the_status_is_thermal_slack_and_the_load_falls() {
+    let arm = pendulum();
+    let initial = Initial {
+        angle: 0.6,
+        reference_angle: 0.6,
+        thermal_load: 1.2 * arm.thermal_limit(),
+        ..Initial::default()
+    };
+    let mut planner = arm.planner();
+    let plan = planner.plan(&initial, 0.9);
+    assert_eq!(plan.status, PlanStatus::ThermalSlack);
+    let loads = &plan.trajectory.thermal_load;
+    assert!(loads.windows(2).all(|pair| pair[1] < pair[0]));
+}
+
+#[test]
+fn setpoints_that_cannot_be_held_are_projected() {
+    let arm = pendulum();
+    let start = Initial {
+        angle: 0.5,
+        reference_angle: 0.5,
+        ..Initial::default()
+    };
+    let mut planner = arm.planner();
+    let plan = planner.plan(&start, 0.0);
+    assert_eq!((plan.status, plan.goal), (PlanStatus::GoalProjected, 0.02));
+    assert_eq!(planner.plan(&start, 0.5).status, PlanStatus::Solved);
+}
+
+#[test]
+fn starts_outside_the_margin_come_back() {
+    for arm in [pendulum(), tflex()] {
+        let mut planner = arm.planner();
+        for angle in [
+            arm.limits.angle_lower,
+            arm.limits.angle_upper,
+            arm.limits.angle_upper + 0.05,
+        ] {
+            let initial = Initial {
+                angle,
+                reference_angle: angle,
+                ..Initial::default()
+            };
+            let goal = 0.5 * (arm.limits.angle_lower + arm.limits.angle_upper);
+            planner.set_state(&Default::default());
+            let plan = planner.plan(&initial, goal);
+            assert_eq!(plan.status, PlanStatus::Solved);
+            assert_finite(plan);
+            // No further out than the start, and inside in the end.
+            let reach = (angle - goal).abs() + 1e-6;
+            let nodes = &plan.trajectory.reference_angle;
+            assert!(nodes.iter().all(|node| (node - goal).abs() <= reach));
+            assert!((nodes[40] - goal).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn angle_bounds_bind_where_the_optimum_would_overshoot() {
+    let arm = pendulum();
+    let mut planner = arm.planner();
+    // Fast towards the upper limit, goal close to it.
+    let initial = Initial {
+        angle: 1.4,
+        velocity: 3.0,
+        reference_angle: 1.4,
+        reference_velocity: 3.0,
+        ..Initial::default()
+    };
+    let plan = planner.plan(&initial, 1.54);
+    assert_eq!(plan.status, PlanStatus::Solved);
+    let bound = arm.limits.angle_upper - 0.02;
+    let nodes = plan.trajectory.reference_angle[1..].iter();
+    let highest = nodes.fold(0.0, |most, &angle| f64::max(most, angle));
+    assert!((highest - bound).abs() < 1e-4, "{highest} {bound}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Any horizon and period, all features: always a finite plan that ends at rest at its goal.
+    #[test]
+    fn any_settings_give_plans(
+        horizon in 2..60, period in 1e-3..0.1_f64, share in 0.3..1.0, integral in prop_oneof![Just(0.0), 0.0..10.0],
+        thermal in prop_oneof![Just(0.0), 0.0..1e-4], limited: bool, feedback: bool, integrator: bool,
+        flexure: bool, seed: u64,
+    ) {
+        let mut arm = if flexure { tflex() } else { pendulum() };
+        arm.settings.horizon = horizon;
+        arm.settings.period = period;
+        arm.settings.thermal_share = share;
+        arm.settings.thermal_limit = limited;
+        arm.settings.models_feedback = feedback;
+        arm.settings.models_integrator = integrator;
+        arm.settings.weights.integral = integral;
+        arm.settings.weights.thermal = thermal;
+        arm.feedback.gain_integral = 30.0;
+        let mut planner = arm.planner();
+        let mut uniform = Uniform(seed);
+        for _ in 0..4 {
+            let (initial, goal) = uniform.start(&arm, [0.0, 1.1]);
+            let plan = planner.plan(&initial, goal);
+            assert_finite(plan);
+            prop_assert!(!matches!(plan.status, PlanStatus::Idle | PlanStatus::MeasurementHeld));
+            if !matches!(plan.status, PlanStatus::ShiftedPlan | PlanStatus::Rest) {
+                let end = plan.trajectory.angle[horizon as usize];
+                prop_assert!((end - plan.goal).abs() < 1e-6, "{:?} {end} {}", plan.status, plan.goal);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_is_not_a_number_gets_in(component in 0..8_usize, infinite: bool) {
+        let bad = if infinite { f64::INFINITY } else { f64::NAN };
+        let mut planner = tflex().planner();
+        let mut initial = Initial { angle: 1.2, reference_angle: 1.2, reference_velocity: 0.1, ..Initial::default() };
+        let before = planner.plan(&initial, 1.0).moves.clone();
+        let mut goal = 1.0;
+        match component {
+            0 => initial.angle = bad,
+            1 => initial.velocity = bad,
+            2 => initial.reference_angle = bad,
+            3 => initial.reference_velocity = bad,
+            4 => initial.integral = bad,
+            5 => initial.feedback_integral = bad,
+            6 => initial.thermal_load = bad,
+            _ => goal = bad,
+        }
+        let plan = planner.plan(&initial, goal);
+        assert_finite(plan);
+        prop_assert_eq!(plan.status, PlanStatus::ShiftedPlan);
+        prop_assert_eq!(&plan.moves[..39], &before[1..]);
+    }
+}
+
+/// Follows the plan for one period in the planner's own model.
+fn follow(plan: &Plan, initial: &Initial) -> Initial {
+    let trajectory = &plan.trajectory;
+    Initial {
+        angle: trajectory.angle[1],
+        velocity: trajectory.reference_velocity[1],
+        reference_angle: trajectory.reference_angle[1],
+        reference_velocity: trajectory.reference_velocity[1],
+        thermal_load: trajectory.thermal_load[1],
+        ..*initial
+    }
+}
+
+#[test]
+fn in_closed_loop_the_limit_is_kept_and_a_warm_start_saves_work() {
+    let arm = pendulum();
+    let mut planner = arm.planner();
+    let mut initial = Initial {
+        angle: 0.3,
+        reference_angle: 0.3,
+        thermal_load: 0.97 * arm.thermal_limit(),
+        ..Initial::default()
+    };
+    let (mut cold, mut warm) = (0, 0);
+    for k in 0..120 {
+        let goal = if k < 60 { 1.2 } else { 0.4 };
+        let plan = planner.plan(&initial, goal);
+        assert_eq!(plan.status, PlanStatus::Solved, "plan {k}");
+        assert!(plan.trajectory.excess <= 1e-6);
+        if k % 60 == 0 {
+            cold += plan.convex_problems;
+        } else if plan.iterations > 0 {
+            warm = warm.max(plan.convex_problems);
+        }
+        initial = follow(plan, &initial);
+    }
+    assert!((initial.angle - 0.4).abs() < 1e-3, "arrives");
+    assert!(cold >= 2 && warm == 1, "{cold} cold, {warm} warm");
+}
+
+fn bits(plan: &Plan) -> (PlanStatus, u32, u32, Vec<u64>) {
+    let numbers = plan.moves.iter().chain(&plan.trajectory.thermal_load);
+    let bits = numbers
+        .map(|x| x.to_bits())
+        .chain([plan.trajectory.cost.to_bits()]);
+    (
+        plan.status,
+        plan.iterations,
+        plan.convex_problems,
+        bits.collect(),
+    )
+}
+
+/// A planner rebuilt from its parameters and given the state goes on bit by bit as if never stopped.
+#[test]
+fn a_restored_planner_goes_on_to_the_bit() {
+    for (arm, loads) in [(pendulum(), [0.9, 1.01]), (tflex(), [0.9, 1.01])] {
+        let mut uniform = Uniform(5);
+        let mut planner = arm.planner();
+        let mut solver_was_used = false;
+        for _ in 0..25 {
+            let (mut initial, goal) = uniform.start(&arm, loads);
+            let state = planner.state().clone();
+            let mut restored: Planner = arm.planner();
+            restored.set_state(&state);
+            for _ in 0..2 {
+                let plan = planner.plan(&initial, goal);
+                assert_eq!(bits(plan), bits(restored.plan(&initial, goal)));
+                solver_was_used |= plan.iterations > 0;
+                initial = follow(plan, &initial);
+            }
+            assert_eq!(planner.state(), restored.state());
+        }
+        assert!(solver_was_used);
+    }
+}
+
+#[test]
+fn inadmissible_settings_are_all_named() {
+    let mut arm = tflex();
+    arm.settings.period = 0.0;
+    arm.settings.horizon = 1;
+    arm.settings.weights.acceleration = 0.0;
+    arm.settings.weights.thermal = f64::NAN;
+    arm.settings.angle_margin = 0.5;
+    arm.settings.thermal_share = 1.1;
+    let Err(errors) = Planner::new(
+        &arm.settings,
+        &arm.arm,
+        &arm.motor,
+        &arm.limits,
+        &arm.feedback,
+    ) else {
+        panic!("admitted");
+    };
+    let names: Vec<_> = errors.iter().map(|error| error.name).collect();
+    assert_eq!(
+        names,
+        [
+            "nmpc.period",
+            "nmpc.horizon",
+            "nmpc.weight_thermal",
+            "nmpc.weight_acceleration",
+            "nmpc.angle_margin",
+            "nmpc.thermal_share",
+        ]
+    );
+}
+
+#[test]
+fn a_period_too_long_for_the_feedback_is_refused() {
+    let mut arm = tflex();
+    arm.settings.period = 1.0;
+    let planner = |arm: &Arm| {
+        Planner::new(
+            &arm.settings,
+            &arm.arm,
+            &arm.motor,
+            &arm.limits,
+            &arm.feedback,
+        )
+    };
+    let errors = planner(&arm).err().expect("refused");
+    assert_eq!(errors[0].name, "nmpc.period");
+    arm.settings.models_feedback = false;
+    assert!(planner(&arm).is_ok());
+}
