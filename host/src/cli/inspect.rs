@@ -1,7 +1,7 @@
 //! `flexarm inspect`.
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ContentArrangement, Table};
 use host::Error;
 use host::fmu::{Causality, Description, Fmu, Variable};
@@ -175,7 +175,7 @@ fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
 fn plain_table() -> Table {
     let mut table = Table::new();
     table
-        .load_style(UTF8_HORIZONTAL_ONLY)
+        .load_style(UTF8_BORDERS_ONLY)
         .set_content_arrangement(ContentArrangement::Dynamic);
     table
 }

@@ -8,6 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,15 +118,19 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         .as_deref()
         .map(OutputFolder::prepare)
         .transpose()?;
+    let interrupted = watch_for_interrupts();
     // Hidden by the crate if standard error is no terminal.
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]") {
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {eta} left") {
         bar.set_style(style);
     }
-    let outcome = simulate(&simulation, &mut |time| {
-        bar.set_message(format!("t = {time:.2} s"));
-        bar.tick();
-        ControlFlow::Continue(())
+    let outcome = simulate(&simulation, &mut |done| {
+        bar.set_position((done * 1000.0) as u64);
+        if interrupted.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     });
     bar.finish_and_clear();
     let outcome = outcome?;
@@ -133,6 +139,20 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         output.write(&outcome)?;
     }
     super::print(&format!("{}\n", outcome.summary.table()))
+}
+
+/// Set by the first Ctrl-C, so that the run ends and temporary folders go; the second one ends the process,
+/// should an FMU not return.
+fn watch_for_interrupts() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // Without a handler Ctrl-C works as usual.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    interrupted
 }
 
 /// Warnings and log messages go to standard error; nothing can be done if that is closed.

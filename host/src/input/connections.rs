@@ -498,7 +498,7 @@ mod tests {
             ),
             (
                 good.clone() + &good,
-                "M.toml:6: controller.angle already has a source",
+                "M.toml:7: controller.angle already has a source",
             ),
             (
                 "[[role]]\nname = \"angel\"\nfrom = \"plant.angle\"".to_owned(),

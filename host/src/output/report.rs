@@ -6,7 +6,7 @@ use crate::run::Outcome;
 use crate::run::recording::Recording;
 use plotly::common::{HoverInfo, Line, LineShape, Mode, Orientation, Title};
 use plotly::configuration::Configuration;
-use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin};
+use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin, RangeMode};
 use plotly::{Plot, Scatter};
 use std::fmt::Write;
 
@@ -27,6 +27,8 @@ struct Panel {
     traces: Vec<Trace>,
     /// Values of the axis with their names.
     ticks: Vec<(i64, String)>,
+    /// The axis begins at zero.
+    from_zero: bool,
 }
 
 struct Trace {
@@ -52,12 +54,12 @@ pub(super) fn html(outcome: &Outcome) -> String {
         plotly(),
         escape(&title)
     );
-    page.push_str("<table>\n");
+    let _ = writeln!(page, "<p>{}</p>\n<table>", escape(&summary.headline()));
     for [name, value, unit] in summary.rows() {
         let _ = writeln!(
             page,
             "<tr><th>{}</th><td>{}</td><td class=\"unit\">{}</td></tr>",
-            escape(name.trim_start()),
+            escape(&name),
             escape(&value),
             escape(&unit)
         );
@@ -130,9 +132,9 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         angle.push(line("upper limit", RED, limits.upper));
     }
     let torque = [
+        role(Role::Torque, "torque", INK),
         role(Role::FeedforwardTorque, "feedforward", GREEN),
         role(Role::FeedbackTorque, "feedback", ORANGE),
-        role(Role::Torque, "torque", INK),
     ];
     let mut thermal: Vec<_> = role(Role::ThermalLoad, "thermal load", INK)
         .into_iter()
@@ -144,6 +146,7 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         title,
         traces,
         ticks: Vec::new(),
+        from_zero: false,
     };
     let mut panels = vec![
         panel("angle [rad]", angle),
@@ -163,6 +166,7 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         ),
     ];
     panels[3].ticks = status_names(recording);
+    panels[4].from_zero = true;
     panels.retain(|panel| !panel.traces.is_empty());
     panels
 }
@@ -243,6 +247,11 @@ fn plot(panels: &[Panel]) -> Plot {
             .title(Title::with_text(panel.title))
             .domain(&[top - 0.88 * height, top])
             .zero_line(false)
+            .range_mode(if panel.from_zero {
+                RangeMode::ToZero
+            } else {
+                RangeMode::Normal
+            })
             .grid_color("#e5e7eb");
         if !panel.ticks.is_empty() {
             axis = axis
@@ -285,7 +294,8 @@ mod tests {
         let page = html(&outcome);
         assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
         assert!(page.contains("&lt;b&gt; with A") && page.contains("251.505"));
-        assert!(!page.contains("src=\"http"));
+        let own = page.replacen(&plotly(), "", 1);
+        assert!(own.len() < page.len() && !own.contains("http"));
         let data = page.rsplit("Plotly.newPlot").next().unwrap_or_default();
         assert!(
             data.contains("setpoint") && data.len() < 300_000,

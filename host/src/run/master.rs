@@ -86,7 +86,7 @@ impl Master {
         let Instances { controller, plant } = instances;
         for k in 0..steps {
             let time = k as f64 * self.step;
-            if k % REPORT_EVERY == 0 && progress(time).is_break() {
+            if k % REPORT_EVERY == 0 && progress(k as f64 / steps as f64).is_break() {
                 return Err(Error::Interrupted { time });
             }
             self.apply_schedule(k);
@@ -112,7 +112,7 @@ impl Master {
         self.read_plant(plant)?;
         self.scorer.last(&self.row);
         // The run is over: nothing is left to stop.
-        let _ = progress(steps as f64 * self.step);
+        let _ = progress(1.0);
         Ok(())
     }
 

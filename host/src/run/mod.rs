@@ -7,7 +7,7 @@
 //! # fn main() -> Result<(), host::Error> {
 //! let mut simulation = Simulation::new("FlexArmController.fmu", "FlexArmPlant.fmu");
 //! simulation.until = Some(2.0);
-//! let outcome = simulate(&simulation, &mut |_time| ControlFlow::Continue(()))?;
+//! let outcome = simulate(&simulation, &mut |_done| ControlFlow::Continue(()))?;
 //! println!("{:?}", outcome.summary.score.squared_error_rad2);
 //! # Ok(())
 //! # }
@@ -123,7 +123,8 @@ pub struct Outcome {
     pub messages: Vec<(Side, Message)>,
 }
 
-/// Opens both FMUs and runs them. `progress` is told the simulated time \[s\] now and then and may stop the run.
+/// Opens both FMUs and runs them. `progress` is told now and then which fraction of the run is done, and may
+/// stop it.
 pub fn simulate(
     simulation: &Simulation,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,

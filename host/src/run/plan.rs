@@ -138,9 +138,14 @@ impl Plan {
     }
 }
 
-/// Every scalar output, then whatever else the wiring reads.
+/// Every scalar output, then whatever else the wiring reads. Elements of arrays, which FMI 2.0 lists one by
+/// one, are left out in both versions: there may be hundreds.
 fn outputs(pair: Pair<'_>, wiring: &Wiring, side: Side) -> Vec<Scalar> {
-    let mut scalars: Vec<_> = pair.of(side).numeric_scalars(Causality::Output).collect();
+    let description = pair.of(side);
+    let mut scalars: Vec<_> = description
+        .numeric_scalars(Causality::Output)
+        .filter(|scalar| !description.variable(*scalar).name.ends_with(']'))
+        .collect();
     let taps = wiring
         .connections
         .iter()

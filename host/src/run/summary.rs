@@ -3,7 +3,7 @@
 use super::Order;
 use super::score::Score;
 use crate::fmu::Fmu;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use serde::{Deserialize, Serialize};
 
@@ -67,17 +67,31 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// What ran, in one sentence.
+    pub fn headline(&self) -> String {
+        let unit = |u: &Unit| {
+            let version = if u.version.is_empty() {
+                String::new()
+            } else {
+                format!(" {}", u.version)
+            };
+            format!("{}{version} (FMI {})", u.model, u.fmi)
+        };
+        format!(
+            "{} with {}, {}, communication step {} ms",
+            unit(&self.controller),
+            unit(&self.plant),
+            self.order,
+            self.step_s * 1e3
+        )
+    }
+
     /// Name, value and unit of every quantity, as text.
     pub fn rows(&self) -> Vec<[String; 3]> {
         let mut rows = Vec::new();
         let mut row = |name: &str, value: String, unit: &str| {
             rows.push([name.to_owned(), value, unit.to_owned()]);
         };
-        let unit = |u: &Unit| format!("{} {} (FMI {})", u.model, u.version, u.fmi);
-        row("controller", unit(&self.controller), "");
-        row("plant", unit(&self.plant), "");
-        row("order", self.order.to_string(), "");
-        row("communication step", format!("{}", self.step_s * 1e3), "ms");
         row("simulated", number(self.until_s), "s");
         let score = &self.score;
         if let Some(cost) = score.squared_error_rad2 {
@@ -99,7 +113,7 @@ impl Summary {
         if let Some(planner) = &score.planner {
             row("plans", planner.plans.to_string(), "");
             for (status, count) in &planner.statuses {
-                row(&format!("  {status}"), count.to_string(), "");
+                row(&format!("plans: {status}"), count.to_string(), "");
             }
             if let Some(mean) = planner.mean_iterations {
                 row("iterations per plan, mean", number(mean), "");
@@ -117,17 +131,17 @@ impl Summary {
         rows
     }
 
-    /// All quantities, aligned.
+    /// All quantities, aligned, under the headline.
     pub fn table(&self) -> String {
         let mut table = Table::new();
         table
-            .load_style(UTF8_HORIZONTAL_ONLY)
+            .load_style(UTF8_BORDERS_ONLY)
             .set_header(["quantity", "value", "unit"]);
         table.add_rows(self.rows());
         if let Some(column) = table.column_mut(1) {
             column.set_cell_alignment(CellAlignment::Right);
         }
-        table.trim_fmt()
+        format!("{}\n{}", self.headline(), table.trim_fmt())
     }
 }
 
@@ -216,8 +230,10 @@ pub(crate) mod tests {
         assert!(
             table.contains("251.505")
                 && table.contains("side-by-side")
-                && table.contains("  solved")
+                && table.contains("plans: solved")
         );
         assert!(!table.contains("largest torque"));
+        let headline = "A 1 (FMI 3.0) with A 1 (FMI 3.0), side-by-side, communication step 0.25 ms";
+        assert!(table.starts_with(headline));
     }
 }
