@@ -4,6 +4,7 @@ use crate::workspace::Workspace;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::env;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
@@ -13,9 +14,13 @@ pub fn command(workspace: &Workspace) -> Command {
 }
 
 /// Builds packages in release. Returns the shared libraries and executables by target name.
+///
+/// For a `product`, built for `triple`, the compiler is told to forget where this machine keeps
+/// sources, so that equal sources give equal binaries everywhere.
 pub fn build(
     workspace: &Workspace,
     packages: &[&str],
+    product: Option<&str>,
 ) -> Result<BTreeMap<String, PathBuf>, String> {
     let mut cargo = command(workspace);
     cargo.args([
@@ -23,6 +28,10 @@ pub fn build(
         "--release",
         "--message-format=json-render-diagnostics",
     ]);
+    if let Some(triple) = product {
+        cargo.args(["--target", triple]);
+        cargo.env("CARGO_ENCODED_RUSTFLAGS", remapped_paths(workspace)?);
+    }
     for package in packages {
         cargo.args(["--package", package]);
     }
@@ -57,6 +66,31 @@ pub fn build(
         }
     }
     Ok(built)
+}
+
+/// Builds the `flexarm` host and returns where it is.
+pub fn host(workspace: &Workspace) -> Result<PathBuf, String> {
+    let mut built = build(workspace, &["flexarm-host"], None)?;
+    let host = built.remove("flexarm");
+    host.ok_or_else(|| "flexarm-host built no `flexarm`".to_owned())
+}
+
+/// Compiler flags that replace the paths of this machine, for `CARGO_ENCODED_RUSTFLAGS`.
+fn remapped_paths(workspace: &Workspace) -> Result<OsString, String> {
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home
+        .or_else(|| env::home_dir().map(|home| home.join(".cargo")))
+        .ok_or("neither CARGO_HOME nor a home folder is known")?;
+    let mut flags = OsString::new();
+    for (path, name) in [(home, "cargo"), (workspace.path(""), "flexarm")] {
+        if !flags.is_empty() {
+            flags.push("\x1f");
+        }
+        flags.push("--remap-path-prefix=");
+        flags.push(path);
+        flags.push(format!("={name}"));
+    }
+    Ok(flags)
 }
 
 /// What `cargo metadata` says of the workspace and its dependencies on this platform.

@@ -27,7 +27,8 @@ impl Licences {
         for own in ["LICENSE-MIT", "LICENSE-APACHE"] {
             files.insert(format!("{FOLDER}/{own}.txt"), workspace.read_bytes(own)?);
         }
-        let mut notices = String::new();
+        // Most crates share a text word for word: each text stands once, under those that carry it.
+        let mut notices: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         let mut list = String::new();
         for linked in linked(&metadata, package)? {
             // Crates of this workspace have no source; they share our licence.
@@ -39,8 +40,8 @@ impl Licences {
             let title = format!("{} {} ({licence})", text("name"), text("version"));
             list += &format!("  {title}\n");
             let folder = Path::new(text("manifest_path")).parent();
-            for (file, text) in folder.map(texts).unwrap_or_default() {
-                notices += &format!("{}\n{title}: {file}\n\n{text}\n", "=".repeat(80));
+            for text in folder.map(texts).unwrap_or_default() {
+                notices.entry(text).or_default().insert(title.clone());
             }
         }
         let entry = format!(
@@ -49,6 +50,12 @@ impl Licences {
              Its binary contains the Rust standard library (MIT OR Apache-2.0) and these crates, whose\n\
              notices are in third-party.txt:\n\n{list}"
         );
+        let rule = "=".repeat(80);
+        let notice = |(text, crates): (&String, &BTreeSet<String>)| {
+            let crates: Vec<_> = crates.iter().map(String::as_str).collect();
+            format!("{rule}\n{}\n{rule}\n\n{text}\n\n", crates.join("\n"))
+        };
+        let notices: String = notices.iter().map(notice).collect();
         files.insert(format!("{FOLDER}/license.txt"), entry.into_bytes());
         files.insert(format!("{FOLDER}/third-party.txt"), notices.into_bytes());
         Ok(Self(files))
@@ -100,17 +107,17 @@ fn linked<'a>(metadata: &'a Value, package: &str) -> Result<Vec<&'a Value>, Stri
     Ok(linked)
 }
 
-/// The licence texts in a crate's folder, by file name.
-fn texts(folder: &Path) -> BTreeMap<String, String> {
-    let mut texts = BTreeMap::new();
+/// The licence texts in a crate's folder.
+fn texts(folder: &Path) -> BTreeSet<String> {
+    let mut texts = BTreeSet::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let upper = name.to_uppercase();
+        let name = entry.file_name().to_string_lossy().to_uppercase();
         let is_notice = ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"]
             .iter()
-            .any(|word| upper.starts_with(word));
+            .any(|word| name.starts_with(word));
         if is_notice && let Ok(text) = fs::read_to_string(entry.path()) {
-            texts.insert(name, text);
+            let lines: Vec<_> = text.lines().map(str::trim_end).collect();
+            texts.insert(lines.join("\n").trim().to_owned());
         }
     }
     texts

@@ -12,6 +12,7 @@ mod package;
 mod page;
 mod parameters;
 mod platform;
+mod plot;
 mod test;
 mod workspace;
 

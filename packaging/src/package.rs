@@ -5,7 +5,7 @@ use crate::fmu::{Content, Version};
 use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, page, parameters};
+use crate::{cargo, page, parameters, plot};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -45,9 +45,18 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
     }
     parameters::write(workspace, &descriptions)?;
 
-    announce("Building both units");
-    for content in contents(workspace, descriptions)? {
-        for path in write(workspace, &content)? {
+    announce("Building both units and the host");
+    let mut contents = contents(workspace, descriptions)?;
+    let host = cargo::host(workspace)?;
+    for content in &contents {
+        write(workspace, content)?;
+    }
+
+    announce("Running the packaged units for the plot in their documentation");
+    let plot = plot::of_a_run(workspace, host.as_os_str())?;
+    for (unit, content) in UNITS.iter().zip(&mut contents) {
+        content.page = page::write(workspace, &content.description, unit.art, &plot)?;
+        for path in write(workspace, content)? {
             eprintln!("{path}");
         }
     }
@@ -60,7 +69,7 @@ fn contents(
 ) -> Result<Vec<Content>, String> {
     let platform = Platform::host()?;
     let packages: Vec<_> = UNITS.iter().map(|u| u.package).collect();
-    let built = cargo::build(workspace, &packages)?;
+    let built = cargo::build(workspace, &packages, Some(platform.triple))?;
     let mut contents = Vec::new();
     for (unit, description) in UNITS.iter().zip(descriptions) {
         let library = built

@@ -14,7 +14,6 @@ pub fn run(workspace: &Workspace, pytest: &[String]) -> Result<(), String> {
     workspace.run(cargo::command(workspace).args(["test", "--release", "--workspace"]))?;
     announce("2/5 Package");
     package::run(workspace)?;
-    cargo::build(workspace, &["flexarm-host"])?;
     announce("3/5 Python environment");
     let python = environment(workspace)?;
     announce("4/5 Python: style");

@@ -41,7 +41,7 @@ fn table<'a>(
         return rows;
     }
     format!(
-        "<h3>{title}</h3>\n<table>\n<thead><tr><th>Name</th><th>Unit</th><th>Default</th><th>Range</th>\
+        "<h3>{title}</h3>\n<table class=\"variables\">\n<thead><tr><th>Name</th><th>Unit</th><th>Default</th><th>Range</th>\
          <th>Description</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n"
     )
 }

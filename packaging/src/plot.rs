@@ -1,0 +1,145 @@
+//! The plot of a run of the packaged pair, as SVG for the documentation.
+
+use crate::demo::SETPOINTS;
+use crate::workspace::Workspace;
+use plotters::prelude::*;
+use std::ffi::OsStr;
+
+/// How long the run is \[s\], and which of its samples are drawn.
+const UNTIL: &str = "5";
+const EVERY: &str = "10";
+
+const BLUE: RGBColor = RGBColor(0x1f, 0x6f, 0xb2);
+const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
+const RED: RGBColor = RGBColor(0xc0, 0x39, 0x2b);
+const GREY: RGBColor = RGBColor(0x94, 0xa7, 0xb8);
+
+/// A panel: what its axis says, and curves by column of the results, legend and colour.
+struct Panel {
+    axis: &'static str,
+    curves: &'static [(&'static str, &'static str, RGBColor)],
+}
+
+const PANELS: [Panel; 3] = [
+    Panel {
+        axis: "angle [rad]",
+        curves: &[
+            ("setpoint", "setpoint", GREY),
+            ("controller.reference.angle", "reference", ORANGE),
+            ("plant.angle", "angle", BLUE),
+        ],
+    },
+    Panel {
+        axis: "torque [N·m]",
+        curves: &[
+            ("controller.feedforward_torque", "feedforward", ORANGE),
+            ("controller.feedback_torque", "feedback", RED),
+        ],
+    },
+    Panel {
+        axis: "thermal load / limit",
+        curves: &[("plant.thermal_fraction", "thermal load", BLUE)],
+    },
+];
+
+/// Runs the packaged FMUs of FMI 3.0 with the host and draws what they did.
+pub fn of_a_run(workspace: &Workspace, host: &OsStr) -> Result<String, String> {
+    let folder = tempfile::tempdir().map_err(|e| format!("temporary folder: {e}"))?;
+    let out = folder.path().join("run");
+    let mut command = workspace.command(host);
+    command.args([
+        "simulate",
+        "--controller",
+        "dist/fmi3/FlexArmController.fmu",
+    ]);
+    command.args(["--plant", "dist/fmi3/FlexArmPlant.fmu"]);
+    command.args([
+        "--setpoints",
+        SETPOINTS,
+        "--until",
+        UNTIL,
+        "--record",
+        EVERY,
+    ]);
+    command.arg("-o").arg(&out);
+    workspace.run(&mut command)?;
+    let file = out.join("results.csv");
+    let error = |e| format!("{}: {e}", file.display());
+    let mut table = csv::Reader::from_path(&file).map_err(error)?;
+    let header = table.headers().map_err(error)?.clone();
+    let rows: Vec<Vec<f64>> = table
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .map_err(error)?;
+    let column = |name: &str| -> Result<Vec<f64>, String> {
+        let index = header.iter().position(|h| h == name);
+        let index = index.ok_or_else(|| format!("{}: no column {name}", file.display()))?;
+        Ok(rows
+            .iter()
+            .filter_map(|row| row.get(index).copied())
+            .collect())
+    };
+    draw(&column)
+}
+
+/// Draws all panels over time.
+fn draw(column: &dyn Fn(&str) -> Result<Vec<f64>, String>) -> Result<String, String> {
+    let time = column("time")?;
+    let end = time.last().copied().ok_or("the run has no samples")?;
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (900, 620)).into_drawing_area();
+        for (panel, area) in PANELS.iter().zip(root.split_evenly((PANELS.len(), 1))) {
+            let mut curves = Vec::new();
+            for (name, legend, colour) in panel.curves {
+                curves.push((column(name)?, *legend, *colour));
+            }
+            let values = || {
+                curves
+                    .iter()
+                    .flat_map(|(values, ..)| values.iter().copied())
+            };
+            let low = values().fold(f64::INFINITY, f64::min);
+            let high = values().fold(f64::NEG_INFINITY, f64::max);
+            let margin = 0.06 * (high - low).max(1e-6);
+            let failed = |e: &dyn std::fmt::Display| format!("plot: {e}");
+            let mut chart = ChartBuilder::on(&area)
+                .margin(8)
+                .x_label_area_size(32)
+                .y_label_area_size(62)
+                .build_cartesian_2d(0.0..end, low - margin..high + margin)
+                .map_err(|e| failed(&e))?;
+            chart
+                .configure_mesh()
+                .x_desc("time [s]")
+                .y_desc(panel.axis)
+                .y_labels(5)
+                .light_line_style(TRANSPARENT)
+                .bold_line_style(GREY.mix(0.35))
+                .axis_style(GREY)
+                .label_style(("sans-serif", 13))
+                .draw()
+                .map_err(|e| failed(&e))?;
+            for (values, legend, colour) in curves {
+                let points = time.iter().copied().zip(values);
+                chart
+                    .draw_series(LineSeries::new(points, colour.stroke_width(2)))
+                    .map_err(|e| failed(&e))?
+                    .label(legend)
+                    .legend(move |(x, y)| {
+                        PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3))
+                    });
+            }
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::LowerRight)
+                .background_style(WHITE.mix(0.8))
+                .border_style(GREY)
+                .label_font(("sans-serif", 13))
+                .draw()
+                .map_err(|e| failed(&e))?;
+        }
+        root.present().map_err(|e| format!("plot: {e}"))?;
+    }
+    Ok(svg)
+}
