@@ -3,7 +3,7 @@
 use arm::{Limits, Motor, Parameters};
 
 use crate::controller::{ReferenceSource, Settings};
-use crate::feedback;
+use crate::feedback::{self, Design, Gains, Law};
 use crate::nmpc::problem::Weights;
 use crate::nmpc::settings;
 
@@ -49,6 +49,52 @@ impl Settings {
                 ..settings::Settings::default()
             },
             feedback: feedback::Settings::pendulum(),
+        }
+    }
+}
+
+impl feedback::Settings {
+    /// The LQR of the T-flex (sec 4.1.1): eq 29 with its low-pass.
+    pub const fn tflex() -> Self {
+        Self {
+            law: Law::Lqr,
+            design: Design::Weights,
+            weights: feedback::Weights {
+                angle: 1.0,
+                velocity: 1.0 / 400.0,
+                integral: 0.0,
+                torque: 1e-3,
+            },
+            gains: Gains {
+                angle: 31.62,
+                velocity: 2.756,
+                integral: 31.62,
+            },
+            lowpass_frequency: 150.0,
+            inertia: 0.0818,
+            damping: 0.0161,
+        }
+    }
+
+    /// The LQR of the pendulum (eqs 33, 34).
+    pub const fn pendulum() -> Self {
+        Self {
+            law: Law::Lqr,
+            design: Design::Weights,
+            weights: feedback::Weights {
+                angle: 1.0,
+                velocity: 1e-3,
+                integral: 0.0,
+                torque: 1e-4,
+            },
+            gains: Gains {
+                angle: 100.0,
+                velocity: 14.4914,
+                integral: 100.0,
+            },
+            lowpass_frequency: 0.0,
+            inertia: 1.0,
+            damping: 0.0,
         }
     }
 }

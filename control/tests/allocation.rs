@@ -65,7 +65,7 @@ fn following_the_profile_allocates_nothing() {
 fn plans_in_closed_form_allocate_nothing() {
     for settings in [Settings::tflex(), Settings::pendulum()] {
         let (allocations, plans) = allocations(&settings);
-        println!("{plans} of 80 plans in closed form");
+        eprintln!("{plans} of 80 plans in closed form");
         assert_eq!(allocations, 0);
         assert!(plans >= 20, "{plans}");
     }

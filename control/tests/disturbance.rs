@@ -51,7 +51,7 @@ fn reproduces(column: &str, got: [f64; 2]) {
     let expected = golden["independent_python_simulation"][column]
         .as_f64()
         .unwrap();
-    println!("{column}: {got:.1?}, reference {expected}");
+    eprintln!("{column}: {got:.1?}, reference {expected}");
     for got in got {
         assert!(
             (got / expected - 1.0).abs() < 0.01,

@@ -48,7 +48,7 @@ fn tflex() -> Vec<Run> {
 fn reproduces(run: &Run, score: &Score, expected: &Value, tolerance: f64) {
     let expected = expected.as_f64().unwrap();
     let deviation = score.cost / expected - 1.0;
-    println!(
+    eprintln!(
         "{}: {score:.3?}, reference {expected:.3} ({:+.3} %)",
         run.label,
         100.0 * deviation
@@ -130,14 +130,14 @@ fn planner_beats_the_profile() {
     for run in pendulum() {
         let profile = Loop::pendulum(&baseline(Settings::pendulum(), 1.9973));
         let ratio = ratio(Loop::pendulum(&Settings::pendulum()), profile, &run);
-        println!("pendulum, {}: {ratio:.2}", run.label);
+        eprintln!("pendulum, {}: {ratio:.2}", run.label);
         assert!((3.2..5.2).contains(&ratio), "{}: {ratio}", run.label);
     }
     for run in tflex() {
         let settings = baseline(Settings::tflex(), 46.5);
         let profile = Loop::new(&settings, Parameters::tflex(), 1.30);
         let ratio = ratio(Loop::tflex(), profile, &run);
-        println!("T-flex, {}: {ratio:.2}", run.label);
+        eprintln!("T-flex, {}: {ratio:.2}", run.label);
         assert!((1.7..2.0).contains(&ratio), "{}: {ratio}", run.label);
     }
 }
@@ -149,7 +149,7 @@ fn one_sample_of_delay_costs_half_a_percent_at_most() {
         let prompt = track(make(), &run.setpoints, run.interval).cost;
         let delayed = track(make().delayed(), &run.setpoints, run.interval);
         let loss = delayed.cost / prompt - 1.0;
-        println!("{}: {:+.3} %", run.label, 100.0 * loss);
+        eprintln!("{}: {:+.3} %", run.label, 100.0 * loss);
         assert!(loss.abs() < 0.005, "{}: {loss}", run.label);
         assert_eq!(delayed.violations, 0, "{}", run.label);
     };
