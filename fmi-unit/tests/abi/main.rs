@@ -11,6 +11,7 @@ mod importer;
 mod legality;
 mod lifecycle;
 mod logging;
+mod properties;
 mod session;
 mod states;
 mod steps;

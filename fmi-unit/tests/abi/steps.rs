@@ -261,6 +261,18 @@ fn the_importer_sees_every_event_inside_a_step() {
     assert_eq!(s.get_int(SAMPLES), 4);
 }
 
+/// An event a little before the end of a step belongs to the next one, and is seen at its start.
+#[test]
+fn no_update_lies_before_the_step() {
+    let visits = Visits::default();
+    let s = visited(&visits, false);
+    let end = 0.1 + 5e-8;
+    assert_eq!(s.do_step3(0.0, end), (OK, false, end));
+    assert_eq!(visits.seen.borrow().len(), 1);
+    assert_eq!(s.do_step(end, 0.05), OK);
+    assert_eq!(visits.seen.borrow()[1], (end, end, 2, false));
+}
+
 #[test]
 fn the_importer_can_return_early() {
     // Now, later within the step, never (beyond the end), at a time that is no number.
