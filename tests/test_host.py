@@ -56,7 +56,7 @@ def test_table_3(flexarm, tmp_path, version, order, case):
     file = schedule(tmp_path / "setpoints.csv", ["time", "setpoint", "disturbance_torque"], pushes)
     arguments = ["--setpoints", file, "--until", 25, "--order", order, *pendulum(), *sets(settings(case))]
     summary = simulate(flexarm, tmp_path / "out", version, *arguments)
-    assert summary["score"] == pytest.approx(TABLE_3[case], rel=0.01)
+    assert summary["score"]["squared_error_rad2"] == pytest.approx(TABLE_3[case], rel=0.01)
 
 
 def track(flexarm, tmp_path, arm: str, index: int, version: str, *arguments) -> tuple[dict, dict]:
@@ -76,8 +76,8 @@ def track(flexarm, tmp_path, arm: str, index: int, version: str, *arguments) -> 
 def test_planner_tracks_setpoints(flexarm, tmp_path, arm, index):
     run, summary = track(flexarm, tmp_path, arm, index, "fmi3" if index % 2 else "fmi2")
     tolerance = 0.02 if run["nmpc"]["solves_that_needed_thermal_slack"] else 0.01
-    assert summary["violations"] == 0
-    assert summary["score"] == pytest.approx(run["nmpc"]["cost"], rel=tolerance)
+    assert summary["score"]["violations"] == 0
+    assert summary["score"]["squared_error_rad2"] == pytest.approx(run["nmpc"]["cost"], rel=tolerance)
 
 
 @pytest.mark.parametrize("index", range(8))
@@ -85,4 +85,4 @@ def test_profile_tracks_setpoints(flexarm, tmp_path, index):
     arguments = sets({"reference.source": "profile", "feedback.law": "pid"})
     run, summary = track(flexarm, tmp_path, "pendulum", index, "fmi3", *arguments)
     (profile,) = run["profile"].values()
-    assert summary["score"] == pytest.approx(profile["cost"], rel=0.01)
+    assert summary["score"]["squared_error_rad2"] == pytest.approx(profile["cost"], rel=0.01)
