@@ -6,12 +6,15 @@ Names are those of FMI 2.0: an element of an array is `arm.cogging_cos[1]`.
 import re
 import shutil
 import xml.etree.ElementTree as ET
+from ctypes import byref
 from pathlib import Path
 
 import fmpy
-from conftest import DIST, fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
+from fmpy.logging import addLoggerProxy
+
+from conftest import DIST, fmu
 
 SAMPLE = 0.00025
 ENUMERATIONS = {
@@ -57,6 +60,8 @@ class CoSimulation:
                 )
                 callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
                 callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+                # The logger of FMI 2.0 is variadic: FMPy's proxy formats the message.
+                addLoggerProxy(byref(callbacks))
                 self._callbacks = callbacks
             self.fmu.instantiate(loggingOn=log is not None, callbacks=callbacks)
         self.variables = {v.name: v for v in self.description.modelVariables}

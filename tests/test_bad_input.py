@@ -5,6 +5,7 @@ import subprocess
 import zipfile
 
 import pytest
+
 from conftest import DIST, fmu
 from fmus import SAMPLE, CoSimulation
 
@@ -122,7 +123,10 @@ def token(entries):
         (lambda e: e.update({"resources/zeros": bytes(3 << 30)}), ["resources/zeros"]),
         (lambda e: e.pop("modelDescription.xml"), ["modelDescription.xml"]),
         (lambda e: e.pop("binaries/x86_64-linux/FlexArmPlant.so"), ["x86_64-linux"]),
-        (lambda e: e.update({"modelDescription.xml": e["modelDescription.xml"][:4000]}), ["modelDescription.xml"]),
+        (
+            lambda e: e.update({"modelDescription.xml": e["modelDescription.xml"][:4000]}),
+            ["modelDescription.xml"],
+        ),
         (token, ["oken"]),
     ],
     ids=["parent", "absolute", "link", "bomb", "no-description", "no-binary", "cut-description", "token"],
@@ -146,9 +150,11 @@ def test_units_refuse_parameters_by_name(version, name, value):
     def log(_environment, _status, _category, message):
         messages.append(message.decode() if isinstance(message, bytes) else message)
 
-    with CoSimulation(fmu(version, "FlexArmController"), log=log) as controller:
-        with pytest.raises(Exception, match=r"[Ee]rror|status"):
-            controller.set(name, value)
+    with (
+        CoSimulation(fmu(version, "FlexArmController"), log=log) as controller,
+        pytest.raises(Exception, match=r"[Ee]rror|status"),
+    ):
+        controller.set(name, value)
     assert any(name in m for m in messages), messages
 
 

@@ -6,6 +6,7 @@ error summed over 4 kHz samples.
 """
 
 import pytest
+
 from conftest import golden
 from fmus import SAMPLE, Loop, parameters
 

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import DIST, fmu, golden
 from test_disturbance import GOLDEN as TABLE_3
 from test_disturbance import settings

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import fmpy
+
 from conftest import fmu
 from fmus import SAMPLE, CoSimulation
 

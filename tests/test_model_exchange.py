@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import fmu
 from fmpy import simulate_fmu
+
+from conftest import fmu
 
 STOP = 2.0
 

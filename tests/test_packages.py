@@ -6,8 +6,9 @@ import sys
 import zipfile
 
 import pytest
-from conftest import DIST, ROOT, UNITS, fmu
 from fmpy.validation import validate_fmu
+
+from conftest import DIST, ROOT, UNITS, fmu
 
 BINARIES = {"fmi2": "binaries/linux64", "fmi3": "binaries/x86_64-linux"}
 

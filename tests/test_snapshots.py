@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import fmu
 from fmus import SAMPLE, CoSimulation
 

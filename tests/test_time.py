@@ -1,6 +1,7 @@
 """Communication points are counted, not summed: odd steps, a late start and many steps change nothing."""
 
 import pytest
+
 from conftest import fmu
 from fmus import SAMPLE, CoSimulation, Loop
 
@@ -35,7 +36,9 @@ def test_plant_takes_a_million_summed_steps(version, step):
     steps, load = 1_000_000, 15.0
     with CoSimulation(fmu(version, "FlexArmPlant")) as plant:
         # Samples of 1/60 s keep the run short: the plant integrates once a step.
-        plant.configure({"sample_period": step, "initial.thermal_load": load, "motor.thermal_time_constant": 1e4})
+        plant.configure(
+            {"sample_period": step, "initial.thermal_load": load, "motor.thermal_time_constant": 1e4}
+        )
         plant.configure({"arm.stiffness": 0, "arm.offset": 0, "arm.hysteresis": 0})
         plant.configure({f"arm.cogging_{f}[{i}]": 0 for f in ("cos", "sin") for i in range(1, 10)})
         plant.initialize()
