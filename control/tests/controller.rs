@@ -152,6 +152,7 @@ fn unusable_inputs_hold_the_last_command() {
 fn nothing_is_commanded_before_the_first_usable_measurement() {
     let mut controller = Controller::new(&Settings::tflex()).unwrap();
     assert_eq!(controller.sample(f64::NAN, 1.3).torque, 0.0);
+    assert_eq!(controller.samples(), 1);
     let first = controller.sample(1.25, 1.3);
     assert_eq!(
         (first.reference.angle, first.reference.velocity),
