@@ -75,3 +75,28 @@ fn unknown_categories_are_errors_and_change_nothing() {
     let status = unsafe { fmi3::fmi3SetDebugLogging::<Toy>(s.handle, 1, 1, std::ptr::null()) };
     assert_eq!(status, ERROR);
 }
+
+/// Categories that the model does not declare cannot be asked for by name: they come with all.
+#[test]
+fn undeclared_categories_come_with_all() {
+    for version in BOTH {
+        let s = Session::new(version, Kind::CoSimulation);
+        s.initialize(0.0, None);
+        assert_eq!(s.set(U, f64::NEG_INFINITY), OK);
+        let heard = |k: f64| {
+            s.messages.borrow_mut().clear();
+            assert_eq!(s.do_step(k * 0.1, 0.1), OK);
+            s.messages
+                .borrow()
+                .iter()
+                .any(|m| m.category == "undeclared")
+        };
+        assert!(heard(0.0));
+        assert_eq!(s.set_debug_logging(true, &["logEvents"]), OK);
+        assert!(!heard(1.0));
+        assert_eq!(s.set_debug_logging(true, &[]), OK);
+        assert!(heard(2.0));
+        assert_eq!(s.set_debug_logging(false, &[]), OK);
+        assert!(!heard(3.0));
+    }
+}

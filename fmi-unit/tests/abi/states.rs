@@ -218,6 +218,57 @@ fn signed(mut content: Vec<u8>) -> Vec<u8> {
     content
 }
 
+/// A mode that the state cannot have: without a unit that is set up, or of the other interface.
+#[test]
+fn inconsistent_states_are_refused() {
+    let s = started(Version::Fmi3);
+    let mut state = null_mut();
+    assert_eq!(s.save(&mut state), OK);
+    let bytes = s.serialize(state);
+    // After the format, the token with its length and the interface: the mode, which is Step.
+    let mode = 1 + 1 + "{toy}".len() + 1;
+    assert_eq!(bytes[mode], 2);
+    for (value, expected) in [
+        (0, ERROR),
+        (1, ERROR),
+        (2, OK),
+        (3, ERROR),
+        (5, ERROR),
+        (7, ERROR),
+    ] {
+        let mut content = bytes[..bytes.len() - 8].to_vec();
+        content[mode] = value;
+        let mut read = null_mut();
+        assert_eq!(
+            s.deserialize(&signed(content), &mut read),
+            expected,
+            "mode {value}"
+        );
+        assert_eq!(s.free_state(&mut read), OK);
+    }
+    let mut content = bytes[..bytes.len() - 8].to_vec();
+    content[mode + 1..mode + 9].copy_from_slice(&f64::NAN.to_le_bytes());
+    assert_eq!(s.deserialize(&signed(content), &mut null_mut()), ERROR);
+    assert_eq!(s.free_state(&mut state), OK);
+}
+
+/// The unit may derive something from the start time.
+#[test]
+fn the_start_time_belongs_to_the_state() {
+    for version in BOTH {
+        let s = started(version);
+        let mut state = null_mut();
+        assert_eq!(s.save(&mut state), OK);
+        let expected = run(&s, 1.0, 20);
+        let other = Session::new(version, Kind::CoSimulation);
+        assert_eq!(other.set(TAU, 0.3), OK);
+        other.initialize(0.97, Some(100.0));
+        assert_eq!(other.restore(state), OK);
+        assert_eq!(run(&other, 1.0, 20), expected);
+        assert_eq!(s.free_state(&mut state), OK);
+    }
+}
+
 #[test]
 fn states_of_other_formats_models_or_ranges_are_named() {
     let s = started(Version::Fmi3);

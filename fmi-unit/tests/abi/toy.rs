@@ -328,6 +328,9 @@ impl Unit for Toy {
             let message = format_args!("u is not a number at {time} s");
             log.write(Severity::Warning, "logStatusWarning", message);
         }
+        if v.u == f64::NEG_INFINITY {
+            log.write(Severity::Info, "undeclared", format_args!("{time} s"));
+        }
         log.write(
             Severity::Info,
             "logEvents",
