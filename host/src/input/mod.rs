@@ -3,6 +3,7 @@
 pub mod connections;
 mod error;
 pub mod parameters;
+pub mod roles;
 pub mod setpoints;
 
 pub use error::{Error, Place};

@@ -1,7 +1,7 @@
 //! The report: one HTML page that needs no network, with the summary and linked, zoomable plots.
 
 use super::decimate;
-use crate::input::connections::Role;
+use crate::input::roles::Role;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
 use plotly::common::{HoverInfo, Line, LineShape, Mode, Orientation, Title};

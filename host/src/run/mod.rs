@@ -21,8 +21,9 @@ pub mod summary;
 
 use crate::Error;
 use crate::fmu::{Experiment, Fmu, Instance, Message};
-use crate::input::connections::{Role, Source, Wiring};
+use crate::input::connections::{Source, Wiring};
 use crate::input::parameters::{Assignment, ParameterFile, StartValues};
+use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Table};
 use crate::input::{self, Pair, Side};
 use master::Master;

@@ -3,7 +3,8 @@
 use super::Simulation;
 use super::recording::{Column, Slot};
 use crate::fmu::{Causality, Kind, Scalar, Signals};
-use crate::input::connections::{Role, Source, Tap, Wiring};
+use crate::input::connections::{Source, Tap, Wiring};
+use crate::input::roles::Role;
 use crate::input::setpoints::Table;
 use crate::input::{Error, Pair, Place, Side};
 use std::collections::BTreeMap;

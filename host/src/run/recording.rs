@@ -1,6 +1,7 @@
 //! What a run leaves behind: a table of samples, and how the roles read from it.
 
-use crate::input::connections::{Role, Tap};
+use crate::input::connections::Tap;
+use crate::input::roles::Role;
 use std::collections::BTreeMap;
 
 /// One column of the recording.

@@ -5,7 +5,7 @@
 //! arm only goes to its starting point.
 
 use super::recording::{Recording, Slot};
-use crate::input::connections::Role;
+use crate::input::roles::Role;
 use crate::input::setpoints::AngleLimits;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

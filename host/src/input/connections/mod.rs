@@ -29,12 +29,13 @@
 //! file fall back to the contract's names; angle and torque also follow the connections to
 //! `controller.angle` and `plant.torque`.
 
-use super::{Error, Pair, Place, Side, read_text};
+mod file;
+
+use super::roles::{DEFAULT_ROLES, Role};
+use super::{Error, Pair, Place, Side};
 use crate::fmu::{Causality, Scalar};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use toml::Spanned;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,51 +79,6 @@ pub struct Connection {
     pub input: Scalar,
 }
 
-/// What a signal means to scoring and plotting.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq, PartialOrd, Ord)]
-#[serde(rename_all = "snake_case")]
-pub enum Role {
-    /// Angle of the arm \[rad\].
-    Angle,
-    /// Torque asked of the motor \[N·m\].
-    Torque,
-    /// Thermal load \[A²\].
-    ThermalLoad,
-    /// Thermal load divided by its limit.
-    ThermalFraction,
-    /// Count of samples at which a limit was violated.
-    Violations,
-    /// Angle of the reference \[rad\].
-    ReferenceAngle,
-    /// Torque of the feedforward \[N·m\].
-    FeedforwardTorque,
-    /// Torque of the feedback \[N·m\].
-    FeedbackTorque,
-    /// How the plan in use came to be (enumeration).
-    PlanStatus,
-    /// Iterations of the latest plan.
-    PlanIterations,
-}
-
-/// The names of the contract for each role, the first that exists counts.
-const DEFAULT_ROLES: [(Role, Side, &str); 11] = [
-    (Role::Angle, Side::Plant, "angle"),
-    (Role::Torque, Side::Controller, "torque"),
-    (Role::ThermalLoad, Side::Plant, "thermal_load"),
-    (Role::ThermalLoad, Side::Controller, "thermal_load"),
-    (Role::ThermalFraction, Side::Plant, "thermal_fraction"),
-    (Role::Violations, Side::Plant, "violations"),
-    (Role::ReferenceAngle, Side::Controller, "reference.angle"),
-    (
-        Role::FeedforwardTorque,
-        Side::Controller,
-        "feedforward_torque",
-    ),
-    (Role::FeedbackTorque, Side::Controller, "feedback_torque"),
-    (Role::PlanStatus, Side::Controller, "nmpc.status"),
-    (Role::PlanIterations, Side::Controller, "nmpc.iterations"),
-];
-
 /// What may feed an input or play a role.
 const SOURCES: &[Causality] = &[Causality::Output, Causality::Local];
 
@@ -135,41 +91,6 @@ pub struct Wiring {
     pub roles: BTreeMap<Role, Tap>,
     /// What looks wrong but may be meant: connected signals of different units.
     pub warnings: Vec<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    #[serde(default)]
-    connection: Vec<ConnectionEntry>,
-    #[serde(default)]
-    role: Vec<RoleEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ConnectionEntry {
-    from: Spanned<String>,
-    to: Spanned<String>,
-    #[serde(default = "one")]
-    factor: f64,
-    #[serde(default)]
-    offset: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RoleEntry {
-    name: Spanned<Role>,
-    from: Spanned<String>,
-    #[serde(default = "one")]
-    factor: f64,
-    #[serde(default)]
-    offset: f64,
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 impl Wiring {
@@ -189,61 +110,6 @@ impl Wiring {
         wiring.add_default_roles(pair);
         wiring.check_units(pair);
         Ok(wiring)
-    }
-
-    fn add_file(&mut self, pair: Pair<'_>, path: &Path) -> Result<(), Error> {
-        let text = read_text(path)?;
-        let place = |offset: usize| {
-            let lines = text[..offset.min(text.len())].matches('\n').count();
-            Place::in_file(path, lines as u64 + 1)
-        };
-        let file: File = toml::from_str(&text).map_err(|error| Error::Syntax {
-            place: place(error.span().map_or(0, |span| span.start)),
-            message: error.message().to_owned(),
-        })?;
-        for entry in &file.connection {
-            let from = place(entry.from.span().start);
-            let to = place(entry.to.span().start);
-            let tap = tap(
-                pair,
-                &from,
-                entry.from.get_ref(),
-                entry.factor,
-                entry.offset,
-            )?;
-            let (side, input) = pair.resolve(&to, entry.to.get_ref(), &[Causality::Input])?;
-            if matches!(tap.source, Source::Output(of, _) if of == side) {
-                return Err(Error::SameFmu {
-                    place: to,
-                    from: entry.from.get_ref().clone(),
-                    to: entry.to.get_ref().clone(),
-                });
-            }
-            if self.feeds(side, input) {
-                return Err(Error::TwoSources {
-                    place: to,
-                    name: pair.name(side, input),
-                });
-            }
-            self.connections.push(Connection { tap, side, input });
-        }
-        for entry in &file.role {
-            let from = place(entry.from.span().start);
-            let tap = tap(
-                pair,
-                &from,
-                entry.from.get_ref(),
-                entry.factor,
-                entry.offset,
-            )?;
-            if self.roles.insert(*entry.name.get_ref(), tap).is_some() {
-                return Err(Error::TwoSources {
-                    place: place(entry.name.span().start),
-                    name: format!("the role of {}", entry.from.get_ref()),
-                });
-            }
-        }
-        Ok(())
     }
 
     /// Whether an input is connected.
@@ -343,55 +209,14 @@ impl Wiring {
     }
 }
 
-fn tap(pair: Pair<'_>, place: &Place, name: &str, factor: f64, offset: f64) -> Result<Tap, Error> {
-    let wrong = |key, value| Error::Factor {
-        place: place.clone(),
-        key,
-        value,
-    };
-    if !factor.is_finite() || factor == 0.0 {
-        return Err(wrong("factor", factor));
-    }
-    if !offset.is_finite() {
-        return Err(wrong("offset", offset));
-    }
-    let source = if name == "setpoint" {
-        Source::Setpoint
-    } else {
-        let (side, scalar) = pair.resolve(place, name, SOURCES)?;
-        Source::Output(side, scalar)
-    };
-    Ok(Tap {
-        source,
-        factor,
-        offset,
-    })
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::tests::contract;
     use super::*;
     use crate::fmu::description_tests::{description, variable};
     use std::fs;
 
-    fn read(text: &str) -> Result<Wiring, String> {
-        let (controller, plant) = (contract("controller"), contract("plant"));
-        let pair = Pair {
-            controller: &controller,
-            plant: &plant,
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("M.toml");
-        fs::write(&file, text).unwrap();
-        let message = |e: Error| {
-            e.to_string()
-                .replace(&format!("{}/", folder.path().display()), "")
-        };
-        Wiring::read(pair, Some(&file)).map_err(message)
-    }
-
-    fn connection(from: &str, to: &str, rest: &str) -> String {
+    pub(super) fn connection(from: &str, to: &str, rest: &str) -> String {
         format!("[[connection]]\nfrom = \"{from}\"\nto = \"{to}\"\n{rest}\n")
     }
 
@@ -462,51 +287,5 @@ mod tests {
             warnings,
             ["plant.phi in deg feeds controller.angle in rad without a factor"]
         );
-    }
-
-    #[test]
-    fn mistakes_are_named() {
-        let good = connection("plant.angle", "controller.angle", "");
-        for (text, message) in [
-            (
-                "[[connection]]\nfrom = \"plant.angle\"\n".to_owned(),
-                "M.toml:1: missing field `to`",
-            ),
-            (
-                "[[conection]]\n".to_owned(),
-                "M.toml:1: unknown field `conection`",
-            ),
-            (
-                connection("plant.angel", "controller.angle", ""),
-                "M.toml:2: plant has no variable angel, did you mean angle?",
-            ),
-            (
-                connection("plant.angle", "controller.torque", ""),
-                "M.toml:3: controller.torque is an output; possible here: angle, setpoint",
-            ),
-            (
-                connection("angle", "controller.angle", ""),
-                "M.toml:2: \"angle\" must say whose it is",
-            ),
-            (
-                connection("plant.angle", "plant.torque", ""),
-                "M.toml:3: plant.angle and plant.torque belong to the same FMU",
-            ),
-            (
-                connection("plant.angle", "controller.angle", "factor = 0.0"),
-                "M.toml:2: factor = 0: must be a finite number",
-            ),
-            (
-                good.clone() + &good,
-                "M.toml:7: controller.angle already has a source",
-            ),
-            (
-                "[[role]]\nname = \"angel\"\nfrom = \"plant.angle\"".to_owned(),
-                "M.toml:2: unknown variant `angel`",
-            ),
-        ] {
-            let found = read(&text).unwrap_err();
-            assert!(found.starts_with(message), "{found}");
-        }
     }
 }
