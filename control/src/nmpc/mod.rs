@@ -4,7 +4,7 @@
 //! | part | question | module |
 //! |---|---|---|
 //! | problem | what is optimised? | [`problem`], from the contract's [`settings`] |
-//! | transcription | how does it become numbers? | [`transcription`], [`spline`] |
+//! | transcription | how does it become numbers? | [`transcription`], [`rk4`], [`rollout`], [`spline`] |
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], [`rest`] |
 //!
@@ -40,6 +40,8 @@ pub mod conic;
 pub mod planner;
 pub mod problem;
 pub mod rest;
+pub mod rk4;
+pub mod rollout;
 pub mod settings;
 pub mod solver;
 pub mod spline;

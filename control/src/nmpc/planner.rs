@@ -15,10 +15,11 @@ use serde::{Deserialize, Serialize};
 use super::conic::Conic;
 use super::problem::{FeedbackModel, Initial, Problem};
 use super::rest::RestPoints;
+use super::rollout::Rollout;
 use super::settings::Settings;
 use super::solver::{ANGLE_TOLERANCE, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
 use super::spline::{self, Spline};
-use super::transcription::{Rollout, Transcription};
+use super::transcription::Transcription;
 use super::unconstrained::Unconstrained;
 
 /// Price of thermal excess, in units of the inequality-free optimum's cost \[1/A²\]. The multipliers of
@@ -26,7 +27,8 @@ use super::unconstrained::Unconstrained;
 const EXCESS_WEIGHT: f64 = 1e3;
 /// Movement whose cost is the least that counts as 1, so that a plan to stay has a scale \[rad\].
 const LEAST_MOVEMENT: f64 = 1e-4;
-/// Velocity left at the end of a shifted plan that counts as rest, relative to the plan's largest.
+/// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
+/// that is above 1.
 const REST_TOLERANCE: f64 = 1e-6;
 
 /// How the plan in use came to be; numbered as `PlanStatus` in the contract.
@@ -70,12 +72,27 @@ pub struct Plan {
 }
 
 /// What the planner remembers from plan to plan.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlannerState {
     /// Moves of the previous plan \[N\] \[rad/s²\].
     pub moves: Vec<f64>,
     /// How many of the moves are still to come once the first was made; 0 before the first plan.
     pub left: usize,
+}
+
+impl Clone for PlannerState {
+    fn clone(&self) -> Self {
+        Self {
+            moves: self.moves.clone(),
+            left: self.left,
+        }
+    }
+
+    /// Without allocation where the horizons agree.
+    fn clone_from(&mut self, source: &Self) {
+        self.moves.clone_from(&source.moves);
+        self.left = source.left;
+    }
 }
 
 /// Makes plans for one arm.
@@ -183,19 +200,18 @@ impl Planner {
         if let Some(last) = self.state.moves.last_mut() {
             *last = 0.0;
         }
+        (self.plan.iterations, self.plan.convex_problems) = (0, 0);
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
             self.plan.goal = self.rest.nearest(setpoint);
             self.transcription.set(*initial, self.plan.goal);
         }
         let status = if finite { self.solve(setpoint) } else { None };
-        match status {
-            Some(status) => {
-                self.plan.status = status;
-                self.state.left = self.plan.moves.len();
-            }
-            None => self.fall_back(initial, finite),
-        }
+        self.state.left = match status {
+            Some(_) => self.plan.moves.len(),
+            None => self.state.left.saturating_sub(1),
+        };
+        self.plan.status = status.unwrap_or_else(|| self.fall_back(initial, finite));
         self.state.moves.copy_from_slice(&self.plan.moves);
         &self.plan
     }
@@ -228,7 +244,7 @@ impl Planner {
                 let task = task(transcription, &self.angle_bounds, cost_scale);
                 if task.merit(&self.guess_trajectory) < task.merit(trajectory) {
                     moves.copy_from_slice(&self.guess);
-                    trajectory.clone_from(&self.guess_trajectory);
+                    std::mem::swap(trajectory, &mut self.guess_trajectory);
                 }
             }
             let mut outcome = solver.solve(
@@ -276,32 +292,29 @@ impl Planner {
     }
 
     /// Goes on with the previous moves if they still end at rest, else brakes.
-    fn fall_back(&mut self, initial: &Initial, finite: bool) {
+    fn fall_back(&mut self, initial: &Initial, finite: bool) -> PlanStatus {
         let transcription = &self.transcription;
         let Plan {
-            status,
-            moves,
-            trajectory,
-            ..
+            moves, trajectory, ..
         } = &mut self.plan;
-        self.state.left = self.state.left.saturating_sub(1);
         moves.copy_from_slice(&self.state.moves);
-        let gained: f64 = moves.iter().sum::<f64>() * transcription.problem().period;
-        let rest = initial.reference_velocity + gained;
-        let speed = moves
-            .iter()
-            .fold(initial.reference_velocity.abs(), |most, u| {
-                most.max((u * transcription.problem().period).abs())
-            });
-        *status = PlanStatus::ShiftedPlan;
-        if self.state.left == 0 || (finite && rest.abs() > REST_TOLERANCE * speed.max(1.0)) {
-            *status = PlanStatus::Rest;
+        let gained = moves.iter().sum::<f64>() * transcription.problem().period;
+        let ends_at_rest = if finite {
+            let start = initial.reference_velocity;
+            (start + gained).abs() <= REST_TOLERANCE * (1.0 + start.abs())
+        } else {
+            gained.is_finite()
+        };
+        let mut status = PlanStatus::ShiftedPlan;
+        if self.state.left == 0 || !ends_at_rest {
+            status = PlanStatus::Rest;
             self.state.left = moves.len();
             brake(transcription.problem(), initial, moves);
         }
         if finite {
             transcription.roll_out(moves, trajectory);
         }
+        status
     }
 }
 
@@ -357,4 +370,140 @@ fn brake(problem: &Problem, initial: &Initial, moves: &mut [f64]) {
     let per_period = 0.5 * velocity.abs() * problem.period;
     let periods = ((room / per_period) as usize).clamp(1, moves.len());
     moves[..periods].fill(-velocity / (periods as f64 * problem.period));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{pendulum_feedback, pendulum_settings};
+    use super::super::solver::Outcome;
+    use super::*;
+
+    /// A solver that finds nothing, or stops too early.
+    struct Unable(SolverStatus);
+
+    impl Solver for Unable {
+        fn solve(&mut self, _: &Task<'_>, _: &mut [f64], _: &mut Rollout) -> Outcome {
+            Outcome {
+                status: self.0,
+                iterations: 7,
+                convex_problems: 1,
+            }
+        }
+    }
+
+    fn planner() -> Planner {
+        let (arm, motor) = (Parameters::pendulum_mismodelled(), Motor::pendulum());
+        let (settings, feedback) = (pendulum_settings(), pendulum_feedback());
+        Planner::new(&settings, &arm, &motor, &Limits::pendulum(), &feedback).expect("admissible")
+    }
+
+    /// Starved, so that a solver is needed.
+    fn starved() -> Initial {
+        Initial {
+            angle: 0.3,
+            reference_angle: 0.3,
+            thermal_load: 10.9,
+            ..Initial::default()
+        }
+    }
+
+    fn next(plan: &Plan, initial: &Initial) -> Initial {
+        Initial {
+            angle: plan.trajectory.angle[1],
+            velocity: plan.trajectory.reference_velocity[1],
+            reference_angle: plan.trajectory.reference_angle[1],
+            reference_velocity: plan.trajectory.reference_velocity[1],
+            thermal_load: plan.trajectory.thermal_load[1],
+            ..*initial
+        }
+    }
+
+    #[test]
+    fn without_a_new_plan_the_previous_one_goes_on_to_its_end() {
+        let mut planner = planner();
+        let plan = planner.plan(&starved(), 1.2);
+        assert_eq!(plan.status, PlanStatus::Solved);
+        let (first, mut initial) = (plan.clone(), next(plan, &starved()));
+        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        for k in 1..40 {
+            // Too hot for the plan without inequalities.
+            initial.thermal_load = 12.0;
+            let plan = planner.plan(&initial, 0.3);
+            assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}");
+            assert_eq!(plan.moves[..40 - k], first.moves[k..]);
+            initial = next(plan, &initial);
+        }
+        assert!((initial.angle - 1.2).abs() < 1e-9);
+        assert!(initial.reference_velocity.abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_unfinished_plan_that_exceeds_the_limit_gives_way_to_one_that_does_not() {
+        let mut planner = planner();
+        let plan = planner.plan(&starved(), 1.2);
+        let initial = next(plan, &starved());
+        planner.solver = Some(Box::new(Unable(SolverStatus::IterationLimit)));
+        let plan = planner.plan(&initial, 1.4);
+        assert_eq!(plan.status, PlanStatus::ShiftedPlan);
+        assert!(plan.trajectory.excess <= THERMAL_TOLERANCE);
+    }
+
+    #[test]
+    fn without_any_plan_the_reference_is_braked_within_the_bounds() {
+        let mut planner = planner();
+        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        let initial = Initial {
+            reference_velocity: 2.0,
+            velocity: 2.0,
+            ..starved()
+        };
+        let plan = planner.plan(&initial, 1.2);
+        assert_eq!(plan.status, PlanStatus::Rest);
+        let (angles, velocities) = (
+            &plan.trajectory.reference_angle,
+            &plan.trajectory.reference_velocity,
+        );
+        assert!(velocities[40].abs() < 1e-12);
+        let upper = Limits::pendulum().angle_upper - 0.02;
+        assert!(angles.iter().all(|&angle| angle <= upper + 1e-12));
+        // The braking is a plan like others: it goes on.
+        let second = next(plan, &initial);
+        assert_eq!(planner.plan(&second, 1.2).status, PlanStatus::ShiftedPlan);
+    }
+
+    #[test]
+    fn a_shifted_plan_from_another_reference_is_not_followed() {
+        let mut planner = planner();
+        planner.plan(&starved(), 1.2);
+        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        let elsewhere = Initial {
+            reference_velocity: -1.0,
+            ..starved()
+        };
+        assert_eq!(planner.plan(&elsewhere, 1.2).status, PlanStatus::Rest);
+    }
+
+    #[test]
+    fn a_state_that_is_not_made_of_numbers_does_no_harm() {
+        let mut planner = planner();
+        let state = PlannerState {
+            moves: vec![f64::NAN; 40],
+            left: 40,
+        };
+        planner.set_state(&state);
+        assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
+        planner.set_state(&state);
+        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        let plan = planner.plan(&starved(), 1.2);
+        assert_eq!(plan.status, PlanStatus::Rest);
+        assert!(plan.moves.iter().all(|u| u.is_finite()));
+    }
+
+    #[test]
+    fn the_solvers_work_is_reported() {
+        let mut planner = planner();
+        planner.solver = Some(Box::new(Unable(SolverStatus::Solved)));
+        let plan = planner.plan(&starved(), 1.2);
+        assert_eq!((plan.iterations, plan.convex_problems), (7, 1));
+    }
 }

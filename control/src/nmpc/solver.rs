@@ -9,7 +9,8 @@
 //! an exact penalty: below the weight's price the thermal limit is kept wherever it can be kept, and where
 //! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only.
 
-use super::transcription::{Rollout, Transcription};
+use super::rollout::Rollout;
+use super::transcription::Transcription;
 
 /// Excess of the thermal load that counts as none \[A²\].
 pub const THERMAL_TOLERANCE: f64 = 1e-6;

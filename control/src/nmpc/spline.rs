@@ -13,7 +13,8 @@
 
 use nalgebra::DMatrix;
 
-use super::transcription::{Rollout, Sensitivity, Transcription};
+use super::rollout::{Rollout, Sensitivity};
+use super::transcription::Transcription;
 
 /// Coefficients c_−1..c_N \[N + 2\] \[rad\]; the free ones are c_1..c_{N−2}.
 #[derive(Clone, Debug)]
@@ -45,6 +46,11 @@ impl Spline {
     pub fn free(&mut self) -> &mut [f64] {
         let end = self.coefficients.len() - 2;
         &mut self.coefficients[2..end]
+    }
+
+    /// Takes all coefficients over from `other`.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.coefficients.copy_from_slice(&other.coefficients);
     }
 
     /// Fixes both ends to start and terminal rest of `transcription`.

@@ -7,8 +7,9 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::rollout::{Rollout, Sensitivity};
 use super::spline::{Spline, gather};
-use super::transcription::{Rollout, Sensitivity, Transcription};
+use super::transcription::Transcription;
 
 /// Steps after which a cost that does not settle is left to the solver.
 const MAX_STEPS: usize = 12;

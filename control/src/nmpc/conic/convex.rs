@@ -14,9 +14,11 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DataUpdateError, DefaultSolution, DefaultSolver, SupportedConeT};
 use nalgebra::DMatrix;
 
+use super::super::rk4::STAGES;
+use super::super::rollout::{Rollout, Sensitivity};
 use super::super::solver::Task;
 use super::super::spline::{free_columns, gather, stencil};
-use super::super::transcription::{Rollout, STAGES, Sensitivity, Transcription};
+use super::super::transcription::Transcription;
 
 /// Rows of a thermal cone.
 const CONE: usize = STAGES + 2;
@@ -297,6 +299,136 @@ impl Convex {
                 - cost_change,
             excess: slacks.iter().fold(0.0, |most: f64, s| most.max(*s)) * unit,
             misjudged,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::examples::{any_initial, any_moves, pendulum, tflex};
+    use super::super::super::spline::{Spline, hessian};
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Where g is affine the convex problem is no approximation: for any step its cost is the true
+        /// one, and its rows hold with the true loads exactly, the cones without room.
+        #[test]
+        fn for_an_affine_torque_cost_and_cones_are_exact(
+            initial in any_initial(), goal in 0.1..1.4, steps in any_moves(38), flexure: bool,
+        ) {
+            let mut problem = if flexure { tflex() } else { pendulum() };
+            problem.arm.cogging_cos = [0.0; 9];
+            problem.arm.cogging_sin = [0.0; 9];
+            problem.arm.damping = 0.1;
+            problem.weights.thermal = 0.0;
+            let mut transcription = Transcription::new(problem);
+            transcription.set(initial, goal);
+            let bounds = vec![[problem.angle_lower, problem.angle_upper]; 39];
+            let task = Task {
+                transcription: &transcription,
+                angle_bounds: &bounds,
+                cost_scale: 0.1,
+                excess_weight: 1e3,
+            };
+            let mut convex = Convex::new(&transcription, hessian(&transcription));
+            let roll_out = |spline: &Spline| {
+                let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
+                spline.moves(&mut moves);
+                transcription.roll_out(&moves, &mut rollout);
+                (moves, rollout)
+            };
+            let mut spline = Spline::new(40, problem.period);
+            spline.free().fill(goal);
+            spline.fix_ends(&transcription);
+            let (moves, from) = roll_out(&spline);
+            convex.pose(&task, &moves, &from, 0.5);
+
+            let mut solution = DefaultSolution::new(convex.a.n, convex.a.m);
+            for (x, step) in solution.x.iter_mut().zip(&steps) {
+                *x = 0.01 * step;
+            }
+            for (c, x) in spline.free().iter_mut().zip(&solution.x) {
+                *c += convex.sigma(&task) * x;
+            }
+            let (_, trial) = roll_out(&spline);
+            let limit = problem.thermal_limit.expect("limited");
+            for k in 0..40 {
+                let change = trial.thermal_load[k + 1] - from.thermal_load[k + 1];
+                solution.x[38 + k] = change / (convex.heat_weight * limit);
+                let excess = (trial.thermal_load[k + 1] - limit).max(0.0);
+                solution.x[78 + k] = excess / (convex.heat_weight * limit);
+            }
+            solution.z.fill(1.0);
+            let promise = convex.promise(&task, &solution, &from, &trial);
+            let merits = [task.merit(&from), task.merit(&trial)];
+            let accuracy = 1e-9 * (merits[0] + merits[1] + 1.0);
+            prop_assert!(promise.misjudged <= accuracy, "{}", promise.misjudged);
+            prop_assert!((promise.decrease - (merits[0] - merits[1])).abs() <= accuracy);
+            prop_assert!((promise.excess - trial.excess).abs() <= 1e-9);
+
+            // s = b − A·x: angle rows give the distance to the bounds, cones lie on their boundary.
+            let mut s = convex.b.clone();
+            for (column, x) in solution.x.iter().enumerate() {
+                for place in convex.a.colptr[column]..convex.a.colptr[column + 1] {
+                    s[convex.a.rowval[place]] -= convex.a.nzval[place] * x;
+                }
+            }
+            for k in 0..39 {
+                let angle = trial.reference_angle[k + 1];
+                let sigma = convex.sigma(&task);
+                prop_assert!((s[k] * sigma - (problem.angle_upper - angle)).abs() < 1e-9);
+                prop_assert!((s[39 + k] * sigma - (angle - problem.angle_lower)).abs() < 1e-9);
+            }
+            for k in 0..40 {
+                let cone = &s[convex.cone_row(k)..][..CONE];
+                let norm = cone[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+                prop_assert!((cone[0] - norm).abs() <= 1e-8 * (1.0 + norm), "{k}: {} {norm}", cone[0]);
+            }
+        }
+    }
+
+    /// The curvature of the cost of heat is that of λ·q with τ affine.
+    #[test]
+    fn the_cost_of_heat_bends_the_problem() {
+        let mut problem = tflex();
+        problem.weights.thermal = 1.0;
+        let mut transcription = Transcription::new(problem);
+        let initial = super::super::super::problem::Initial {
+            angle: 1.1,
+            reference_angle: 1.1,
+            thermal_load: 5.0,
+            ..Default::default()
+        };
+        transcription.set(initial, 1.3);
+        let task = Task {
+            transcription: &transcription,
+            angle_bounds: &[[0.9, 1.6]; 39],
+            cost_scale: 1.0,
+            excess_weight: 1e3,
+        };
+        let hessian = hessian(&transcription);
+        let mut convex = Convex::new(&transcription, hessian.clone());
+        let mut rollout = Rollout::new(40);
+        transcription.roll_out(&[0.0; 40], &mut rollout);
+        convex.pose(&task, &[0.0; 40], &rollout, 0.0);
+        let m = 20;
+        let scale = convex.sigma(&task).powi(2);
+        let places = convex.p.colptr[m]..convex.p.colptr[m + 1];
+        for (place, row) in places.zip(m - 2..=m) {
+            let mut expected = hessian[(row, m)];
+            for k in 0..40 {
+                for j in 0..STAGES {
+                    let slope = convex.torque_slope(&task, &rollout, k, j);
+                    let of = |index: usize| {
+                        let column = (index + 2).checked_sub(k).filter(|&column| column < 3);
+                        column.map_or(0.0, |column| slope[column])
+                    };
+                    expected += 2.0 * convex.sensitivity.heat_price[k][j] * of(row) * of(m)
+                        / problem.motor.torque_constant.powi(2);
+                }
+            }
+            assert!((convex.p.nzval[place] / scale - expected).abs() < 1e-9 * expected.abs());
         }
     }
 }

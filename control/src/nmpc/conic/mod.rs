@@ -38,9 +38,10 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus as
 use nalgebra::DMatrix;
 
 use self::convex::{Convex, Promise};
+use super::rollout::Rollout;
 use super::solver::{ANGLE_TOLERANCE, Outcome, Solver, SolverStatus, Task};
 use super::spline::Spline;
-use super::transcription::{Rollout, Transcription};
+use super::transcription::Transcription;
 
 /// Convex problems per plan at most.
 const MAX_CONVEX_PROBLEMS: u32 = 8;
@@ -113,7 +114,7 @@ impl Conic {
         self.clarabel.solve();
         let solution = &self.clarabel.solution;
         let sigma = self.convex.sigma(task);
-        self.trial.clone_from(&self.spline);
+        self.trial.copy_from(&self.spline);
         for (c, x) in self.trial.free().iter_mut().zip(&solution.x) {
             *c += sigma * x;
         }
@@ -170,7 +171,7 @@ impl Solver for Conic {
             let gain = (merit - trial_merit) / promise.decrease.max(tolerance);
             let better = trial_merit < merit + tolerance;
             if (!bounded && trial_bounded) || (bounded == trial_bounded && better) {
-                self.spline.clone_from(&self.trial);
+                self.spline.copy_from(&self.trial);
                 moves.copy_from_slice(&self.trial_moves);
                 std::mem::swap(rollout, trial);
                 merit = trial_merit;

@@ -1,0 +1,109 @@
+//! RK4 (eq 24) of the two parts of the model that are linear whatever the moves are: the deviation from the
+//! reference, and the thermal load for given heat.
+
+use super::problem::Problem;
+
+/// RK4 stages per interval.
+pub const STAGES: usize = 4;
+/// c_j: part of the interval after which a stage looks at the state (eq 24).
+pub const ELAPSED: [f64; STAGES] = [0.0, 0.5, 0.5, 1.0];
+/// d_j: share of h²·u in the angle that a stage sees (eq 24).
+pub const CURVED: [f64; STAGES] = [0.0, 0.0, 0.25, 0.5];
+/// Weights of the stages in a step (eq 24).
+pub const QUADRATURE: [f64; STAGES] = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
+
+/// A 3 × 3 matrix by rows.
+pub type Matrix3 = [[f64; 3]; 3];
+
+/// RK4 step of the thermal load (eqs 20, 24); row 5 is the step itself.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalStep {
+    /// α_j, and last a \[5\].
+    pub load: [f64; STAGES + 1],
+    /// γ_ji, and last w_i \[5 × 4\].
+    pub heat: [[f64; STAGES]; STAGES + 1],
+}
+
+impl ThermalStep {
+    /// The step of length κ·T_tc.
+    pub fn new(kappa: f64) -> Self {
+        // A stage is T + c·κ·(q − T) of the stage before; carry the coefficients of T and q_1..q_4.
+        let mut load = [1.0; STAGES + 1];
+        let mut heat = [[0.0; STAGES]; STAGES + 1];
+        for j in 1..STAGES {
+            let step = kappa * ELAPSED[j];
+            load[j] = 1.0 - step * load[j - 1];
+            heat[j] = heat[j - 1].map(|coefficient| -step * coefficient);
+            heat[j][j - 1] += step;
+        }
+        for (j, weight) in QUADRATURE.into_iter().enumerate() {
+            let step = kappa * weight;
+            load[STAGES] -= step * load[j];
+            for i in 0..STAGES {
+                heat[STAGES][i] -= step * heat[j][i];
+            }
+            heat[STAGES][j] += step;
+        }
+        Self { load, heat }
+    }
+
+    /// a: share of T that is left after a step.
+    pub fn decay(&self) -> f64 {
+        self.load[STAGES]
+    }
+
+    /// w_i: weight of (τ_i/Ki)² in the load after a step.
+    pub fn weights(&self) -> &[f64; STAGES] {
+        &self.heat[STAGES]
+    }
+}
+
+/// Stage values M_1..M_4 and step M_5 of dz/dt = F·z by RK4 (eq 24).
+pub fn deviation_step(problem: &Problem) -> [Matrix3; STAGES + 1] {
+    let (h, feedback) = (problem.period, &problem.feedback);
+    let gains = [
+        feedback.gain_angle,
+        feedback.gain_velocity,
+        feedback.gain_integral,
+    ];
+    let f: Matrix3 = [
+        [0.0, 1.0, 0.0],
+        gains.map(|gain| -gain / feedback.inertia),
+        [1.0, 0.0, 0.0],
+    ];
+    let identity: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut steps = [identity; STAGES + 1];
+    for j in 0..STAGES {
+        let slope: Matrix3 = std::array::from_fn(|r| {
+            std::array::from_fn(|c| (0..3).map(|i| f[r][i] * steps[j][i][c]).sum())
+        });
+        for r in 0..3 {
+            for c in 0..3 {
+                if j + 1 < STAGES {
+                    steps[j + 1][r][c] = identity[r][c] + h * ELAPSED[j + 1] * slope[r][c];
+                }
+                steps[STAGES][r][c] += h * QUADRATURE[j] * slope[r][c];
+            }
+        }
+    }
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn heat_only_warms(kappa in 1e-6..1.0_f64) {
+            let step = ThermalStep::new(kappa);
+            prop_assert!(step.weights().iter().all(|&w| w > 0.0));
+            // A load equal to the heat stays, whatever the step.
+            let rest = step.decay() + step.weights().iter().sum::<f64>();
+            prop_assert!((rest - 1.0).abs() < 1e-14);
+            // A decay is that of eq 20 to fourth order.
+            prop_assert!((step.decay() - (-kappa).exp()).abs() < kappa.powi(5) / 100.0);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Trajectories in the true model, and the first derivatives of their cost.
+
+use super::rk4::STAGES;
+
+/// An RK4 stage in a rollout.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stage {
+    /// θ − θ_goal \[rad\].
+    pub distance: f64,
+    /// ω \[rad/s\].
+    pub velocity: f64,
+    /// ωr \[rad/s\].
+    pub reference_velocity: f64,
+    /// e \[rad·s\].
+    pub integral: f64,
+    /// τ (eq 21) \[N·m\].
+    pub torque: f64,
+    /// dg/dθ \[N·m/rad\].
+    pub slope: f64,
+    /// T \[A²\].
+    pub thermal_load: f64,
+}
+
+/// A trajectory in the true model: N intervals, N + 1 nodes.
+#[derive(Clone, Debug)]
+pub struct Rollout {
+    /// θ at the nodes \[N + 1\] \[rad\].
+    pub angle: Vec<f64>,
+    /// θr at the nodes \[N + 1\] \[rad\].
+    pub reference_angle: Vec<f64>,
+    /// ωr at the nodes \[N + 1\] \[rad/s\].
+    pub reference_velocity: Vec<f64>,
+    /// T at the nodes \[N + 1\] \[A²\].
+    pub thermal_load: Vec<f64>,
+    /// RK4 stages of the intervals \[N\].
+    pub stages: Vec<[Stage; STAGES]>,
+    /// Cost (eqs 24, 28) \[rad²·s\].
+    pub cost: f64,
+    /// Largest excess of T over its limit at the nodes after the first \[A²\].
+    pub excess: f64,
+    /// Sum of the excesses of T over its limit at the nodes after the first \[A²\].
+    pub total_excess: f64,
+}
+
+impl Rollout {
+    /// Space for a trajectory of `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        let nodes = || vec![0.0; horizon + 1];
+        Self {
+            angle: nodes(),
+            reference_angle: nodes(),
+            reference_velocity: nodes(),
+            thermal_load: nodes(),
+            stages: vec![[Stage::default(); STAGES]; horizon],
+            cost: 0.0,
+            excess: 0.0,
+            total_excess: 0.0,
+        }
+    }
+
+    /// Whether cost and trajectory are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        let nodes = [
+            &self.angle,
+            &self.reference_angle,
+            &self.reference_velocity,
+            &self.thermal_load,
+        ];
+        self.cost.is_finite() && nodes.iter().all(|node| node.iter().all(|x| x.is_finite()))
+    }
+}
+
+/// First derivatives of the cost along a rollout, e and T eliminated.
+#[derive(Clone, Debug)]
+pub struct Sensitivity {
+    /// ∂cost/∂(θr, ωr, u) of every interval \[N × 3\].
+    pub gradient: Vec<[f64; 3]>,
+    /// λ_j = ∂cost/∂(τ_j/Ki)² of every interval and stage \[N × 4\].
+    pub heat_price: Vec<[f64; STAGES]>,
+}
+
+impl Sensitivity {
+    /// Space for `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        Self {
+            gradient: vec![[0.0; 3]; horizon],
+            heat_price: vec![[0.0; STAGES]; horizon],
+        }
+    }
+}
