@@ -96,7 +96,8 @@ impl Instance {
                 fmi2Boolean::from(logging),
             )
         };
-        (!instance.is_null()).then_some(Self {
+        // Lazily: dropping a `Self` frees its instance.
+        (!instance.is_null()).then(|| Self {
             functions,
             instance,
             booleans: Vec::new(),

@@ -85,7 +85,8 @@ impl Instance {
                 None,
             )
         };
-        (!instance.is_null()).then_some(Self {
+        // Lazily: dropping a `Self` frees its instance.
+        (!instance.is_null()).then(|| Self {
             functions,
             instance,
             _environment: environment,

@@ -239,7 +239,7 @@ impl Fmu {
                 present: self.platforms(),
             })?;
         let library = open_library(&path).map_err(|error| {
-            let reason = error.to_string();
+            let reason = reason(&error);
             Error::Load {
                 file: self.file().to_owned(),
                 missing: missing_library(&reason, &path),
@@ -272,7 +272,7 @@ fn open_library(path: &Path) -> Result<Library, libloading::Error> {
     // SAFETY: running an FMU is running its code; the user chose it.
     let now = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
     now.or_else(|error| {
-        if !error.to_string().contains("undefined symbol") {
+        if !reason(&error).contains("undefined symbol") {
             return Err(error);
         }
         // SAFETY: as above.
@@ -290,6 +290,11 @@ fn open_library(path: &Path) -> Result<Library, libloading::Error> {
     let flags = LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS;
     // SAFETY: running an FMU is running its code; the user chose it.
     unsafe { Library::load_with_flags(path, flags) }.map(Into::into)
+}
+
+/// What the loader says; the error itself only names the function that failed.
+fn reason(error: &libloading::Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
 /// The library that the loader missed, from its message `libx.so.1: cannot open shared object file: …`.
