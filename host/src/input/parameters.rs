@@ -287,7 +287,10 @@ mod tests {
         assert_eq!(read(&[], &[]).unwrap().1, [0.0818, 0.0818, 1.0, -0.2366]);
         let heavy = ssv(INERTIA);
         let both = file(&heavy, "");
-        assert_eq!(read(&[both.clone()], &[]).unwrap().1[..2], [0.09, 0.09]);
+        assert_eq!(
+            read(std::slice::from_ref(&both), &[]).unwrap().1[..2],
+            [0.09, 0.09]
+        );
         assert_eq!(
             read(&[file(&heavy, "plant=")], &[]).unwrap().1[..2],
             [0.0818, 0.09]
