@@ -1,6 +1,6 @@
 //! The contracts of the units: hand-written FMI 3.0 model descriptions, checked and translated.
 //!
-//! A variable is declared once, in `modelDescription/<unit>.xml`. [`read`] turns that text into a
+//! A variable is declared once, in `modelDescription/<unit>.xml`. [`read()`] turns that text into a
 //! [`ModelDescription`] or reports *every* inconsistency with its file and line; from the tree derive
 //!
 //! - [`rust::generate`]: the Rust variable table and structs of the unit, at build time;

@@ -304,3 +304,57 @@ fn markdown(text: &str) -> String {
     }
     escaped
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read;
+
+    fn generated(text: &str) -> String {
+        generate(&read(text, "t.xml").unwrap())
+    }
+
+    const VALID: &str = include_str!("../tests/valid.xml");
+
+    #[test]
+    fn groups_become_structs_with_start_values() {
+        let code = generated(VALID);
+        for line in [
+            "    /// d \\[m\\].\n    pub table: [f64; 3],",
+            "            table: [1.0, 2.0, 3.0],",
+            "    /// Variables `valve.*`.\n    pub valve: Valve,",
+            "            valve: Valve::default(),",
+            "    pub der_level: f64,",
+            "            10 => ::fmi_unit::Values::Float64(&self.valve.table),",
+            "            20 => ::fmi_unit::ValuesMut::Int32(::std::slice::from_mut(&mut self.valve.count)),",
+            "    states: &[2],\n    derivatives: &[3],",
+            "    HalfOpen = 2,",
+        ] {
+            assert!(code.contains(line), "{line}\n{code}");
+        }
+        assert!(!code.contains("pub clock"), "time has no storage");
+        assert!(!code.contains("BigArray"));
+    }
+
+    #[test]
+    fn long_arrays_are_serialised_by_serde_big_array() {
+        let starts = ["1"; 33].join(" ");
+        let text = VALID
+            .replace("start=\"1 2 3\"", &format!("start=\"{starts}\""))
+            .replace("<Dimension start=\"3\"/>", "<Dimension start=\"33\"/>")
+            .replace("valueReference=\"2", "valueReference=\"22")
+            .replace("valueReference=\"10\"", "valueReference=\"1000\"")
+            .replace("derivative=\"2\"", "derivative=\"22\"")
+            .replace("dependencies=\"2\"", "dependencies=\"22\"")
+            .replace("dependencies=\"1 2\"", "dependencies=\"1 22\"")
+            .replace("dependencies=\"10\"", "dependencies=\"1000\"");
+        let field =
+            "    #[serde(with = \"::serde_big_array::BigArray\")]\n    pub table: [f64; 33],";
+        assert!(generated(&text).contains(field));
+    }
+
+    #[test]
+    fn descriptions_are_no_markup() {
+        assert_eq!(markdown("gain_* of [1] <x>"), "gain_\\* of \\[1\\] \\<x\\>");
+    }
+}

@@ -112,3 +112,23 @@ fn changes_are_checked_against_the_contracts() {
         "c.ssv:7: parameter feedback.law: `lqg` is none of lqr, lqri, pid"
     );
 }
+
+#[test]
+fn shipped_changes_fit_the_contracts() {
+    let units = units(CONTROLLER);
+    let mut set = start_values(&units, "x").unwrap();
+    for text in [
+        include_str!("../parameters/pendulum.ssv"),
+        include_str!("../parameters/pendulum-model-error.ssv"),
+    ] {
+        let changes = model_description::ssv::read(text, "changes.ssv").unwrap();
+        change(&mut set, &units, &changes, "changes.ssv").unwrap();
+    }
+    // Eq 32: at rest in the middle the mis-modelled spring gives no torque.
+    let value = |name: &str| match parameter(&set, name).value {
+        Value::Real(value) => value,
+        ref other => panic!("{other:?}"),
+    };
+    let torque = value("arm.stiffness") * value("initial.angle") + value("arm.offset");
+    assert!(torque.abs() < 1e-12, "{torque}");
+}

@@ -1,13 +1,19 @@
 //! The plot of a run of the packaged pair, as SVG for the documentation.
 
+use crate::archive::write_whole;
 use crate::demo::SETPOINTS;
 use crate::workspace::Workspace;
 use plotters::prelude::*;
 use std::ffi::OsStr;
+use std::process::Stdio;
 
-/// How long the run is \[s\], and which of its samples are drawn.
+/// How many of the demo's setpoints the run has, when it ends \[s\], and which of its samples are drawn.
+const MOVES: usize = 10;
 const UNTIL: &str = "5";
 const EVERY: &str = "10";
+
+/// The time axis goes on to make room for the legend.
+const LEGEND: f64 = 1.16;
 
 const BLUE: RGBColor = RGBColor(0x1f, 0x6f, 0xb2);
 const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
@@ -46,22 +52,34 @@ const PANELS: [Panel; 3] = [
 pub fn of_a_run(workspace: &Workspace, host: &OsStr) -> Result<String, String> {
     let folder = tempfile::tempdir().map_err(|e| format!("temporary folder: {e}"))?;
     let out = folder.path().join("run");
+    let setpoints = folder.path().join("setpoints.csv");
+    let rows: Vec<_> = workspace
+        .read(SETPOINTS)?
+        .lines()
+        .take(1 + MOVES)
+        .map(str::to_owned)
+        .collect();
+    write_whole(&setpoints, rows.join("\n").as_bytes())?;
     let mut command = workspace.command(host);
     command.args([
         "simulate",
         "--controller",
         "dist/fmi3/FlexArmController.fmu",
     ]);
-    command.args(["--plant", "dist/fmi3/FlexArmPlant.fmu"]);
     command.args([
-        "--setpoints",
-        SETPOINTS,
+        "--plant",
+        "dist/fmi3/FlexArmPlant.fmu",
         "--until",
         UNTIL,
         "--record",
         EVERY,
     ]);
-    command.arg("-o").arg(&out);
+    command
+        .arg("--setpoints")
+        .arg(&setpoints)
+        .arg("-o")
+        .arg(&out);
+    command.stdout(Stdio::null());
     workspace.run(&mut command)?;
     let file = out.join("results.csv");
     let error = |e| format!("{}: {e}", file.display());
@@ -107,7 +125,7 @@ fn draw(column: &dyn Fn(&str) -> Result<Vec<f64>, String>) -> Result<String, Str
                 .margin(8)
                 .x_label_area_size(32)
                 .y_label_area_size(62)
-                .build_cartesian_2d(0.0..end, low - margin..high + margin)
+                .build_cartesian_2d(0.0..end * LEGEND, low - margin..high + margin)
                 .map_err(|e| failed(&e))?;
             chart
                 .configure_mesh()
@@ -132,7 +150,7 @@ fn draw(column: &dyn Fn(&str) -> Result<Vec<f64>, String>) -> Result<String, Str
             }
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::LowerRight)
+                .position(SeriesLabelPosition::MiddleRight)
                 .background_style(WHITE.mix(0.8))
                 .border_style(GREY)
                 .label_font(("sans-serif", 13))
