@@ -179,6 +179,18 @@ def test_bad_measurement_holds_the_last_good_command(version, bad):
         assert controller.get("nmpc.status") == status
 
 
+@pytest.mark.parametrize("read_before", [False, True])
+def test_initial_outputs_do_not_depend_on_who_read_them(version, read_before):
+    with CoSimulation(fmu(version, "FlexArmController")) as controller:
+        controller.configure({"initial.thermal_load": 9.8})
+        if read_before:
+            controller.get("reference.angle")
+        controller.initialize(angle=1.3, setpoint=1.4)
+        assert controller.get("reference.angle") == 1.3
+        assert controller.get("thermal_load") == 9.8
+        assert controller.get("torque") == 0.0
+
+
 def test_plant_refuses_a_torque_that_is_no_number(version):
     with CoSimulation(fmu(version, "FlexArmPlant")) as plant:
         plant.initialize()

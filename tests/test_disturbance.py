@@ -39,8 +39,9 @@ def disturbance(time: float) -> float:
     return 27.0 if 12 <= time < 20 else 0.0
 
 
+@pytest.mark.parametrize("order", ["sequential", "side_by_side"])
 @pytest.mark.parametrize("case", GOLDEN)
-def test_cost_through_fmpy(version, case):
+def test_cost_through_fmpy(version, case, order):
     with Loop(
         version, parameters("pendulum"), settings(case), controller=parameters("pendulum-model-error")
     ) as loop:
@@ -49,5 +50,5 @@ def test_cost_through_fmpy(version, case):
         for k in range(100_000):
             cost += (1.0 - loop.plant.get("angle")) ** 2
             loop.plant.set("disturbance_torque", disturbance(k * SAMPLE))
-            loop.sequential(k * SAMPLE)
+            getattr(loop, order)(k * SAMPLE)
     assert cost == pytest.approx(GOLDEN[case], rel=0.01)

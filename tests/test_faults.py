@@ -39,9 +39,9 @@ def test_panic_becomes_fatal_in_fmpy(packages, version):
     unit.step(0.0, 0.1)
     assert unit.get("steps") == 1
     unit.set("fault", PANIC)
-    with pytest.raises(Exception, match=r"[Ff]atal|4"):
+    with pytest.raises(Exception, match=r"status 4|fatal"):
         unit.step(0.1, 0.1)
-    assert messages, "a panic must leave a message"
+    assert any("panic" in message for message in messages), messages
     # The instance is lost, the binary is not.
     with CoSimulation(packages[version]) as other:
         other.initialize()

@@ -59,6 +59,23 @@ def test_with_hysteresis_the_discretisation_of_eq_13_is_what_differs(version):
     assert whole / half == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_violations_are_counted_in_both_interfaces(version, interface):
+    """A torque that throws the arm over its upper limit, where it stays: all later samples count."""
+    result = simulate_fmu(
+        str(fmu(version, "FlexArmPlant")),
+        fmi_type=interface,
+        stop_time=1.0,
+        step_size=0.001,
+        output_interval=0.001,
+        start_values={"torque": 6.0, "arm.damping": 0.5, "limits.angle_upper": 1.4},
+        output=["angle", "violations"],
+    )
+    outside = (result["angle"] > 1.4).sum() * 4
+    assert outside > 1000
+    assert result["violations"][-1] == pytest.approx(outside, rel=0.01)
+
+
 @pytest.mark.parametrize("unit", ["FlexArmPlant", "FlexArmController"])
 def test_each_unit_runs_alone(version, unit):
     result = simulate_fmu(str(fmu(version, unit)), fmi_type="CoSimulation", stop_time=0.2, validate=True)

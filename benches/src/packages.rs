@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use host::Simulation;
-use host::fmu::{Experiment, Fmu, Instance, Signals, Value};
+use host::fmu::{Experiment, Fmu, Instance, Scalar, Signals, Value};
 
 use crate::Failure;
 use crate::statistics::{Durations, text, time};
@@ -18,32 +18,49 @@ const BATCH: u32 = 100;
 pub fn run(root: &Path) -> Result<(), Failure> {
     for version in ["fmi2", "fmi3"] {
         let fmu = Fmu::open(&root.join(format!("dist/{version}/FlexArmController.fmu")))?;
-        println!("  through the C ABI of {version}       {}", steps(&fmu)?.row());
+        println!(
+            "  through the C ABI of {version}       {}",
+            steps(&fmu)?.row()
+        );
     }
     println!("\nInstantiate, initialise, free           median        p99        max");
     for version in ["fmi2", "fmi3"] {
         for unit in ["FlexArmPlant", "FlexArmController"] {
             let fmu = Fmu::open(&root.join(format!("dist/{version}/{unit}.fmu")))?;
-            println!("  {:<32} {}", format!("{version} {unit}"), lives(&fmu)?.row());
+            println!(
+                "  {:<32} {}",
+                format!("{version} {unit}"),
+                lives(&fmu)?.row()
+            );
         }
     }
     println!("\nSizes                                   binary        FMU");
     for unit in ["FlexArmPlant", "FlexArmController"] {
         let path = root.join(format!("dist/fmi3/{unit}.fmu"));
         let fmu = Fmu::open(&path)?;
-        let binary = fmu.folder().join(format!("binaries/x86_64-linux/{unit}.so"));
+        let binary = fmu
+            .folder()
+            .join(format!("binaries/x86_64-linux/{unit}.so"));
         let size = |path: &Path| Ok::<_, Failure>(std::fs::metadata(path)?.len() / 1024);
-        println!("  {unit:<32} {:>8} kB {:>8} kB", size(&binary)?, size(&path)?);
+        println!(
+            "  {unit:<32} {:>8} kB {:>8} kB",
+            size(&binary)?,
+            size(&path)?
+        );
     }
     demo(root)
 }
 
-fn initialised(fmu: &Fmu, values: &[(&str, f64)]) -> Result<Instance, Failure> {
+fn scalar(fmu: &Fmu, name: &str) -> Result<Scalar, Failure> {
+    let found = fmu.description().scalar(name);
+    Ok(found.map_err(|_| format!("{} has no variable {name}", fmu.file().display()))?)
+}
+
+fn initialised(fmu: &Fmu, values: &[(&str, Value)]) -> Result<Instance, Failure> {
     let mut instance = fmu.instantiate("bench", false)?;
     let mut set = Vec::new();
     for (name, value) in values {
-        let scalar = fmu.description().scalar(name).ok_or("no such variable")?;
-        set.push((scalar, Value::Float(*value)));
+        set.push((scalar(fmu, name)?, value.clone()));
     }
     instance.set_start_values(&set)?;
     instance.enter_initialization(&Experiment::default())?;
@@ -53,10 +70,15 @@ fn initialised(fmu: &Fmu, values: &[(&str, f64)]) -> Result<Instance, Failure> {
 
 /// Set the angle, step, get the torque; plans are 10 s apart.
 fn steps(fmu: &Fmu) -> Result<Durations, Failure> {
-    let mut instance = initialised(fmu, &[("nmpc.period", 10.0), ("setpoint", 1.3), ("angle", 1.3)])?;
-    let scalar = |name| fmu.description().scalar(name).ok_or("no such variable");
-    let mut angle = Signals::new(fmu.description(), &[scalar("angle")?]);
-    let mut torque = Signals::new(fmu.description(), &[scalar("torque")?]);
+    let values = [
+        ("nmpc.period", Value::Float(10.0)),
+        ("nmpc.models_feedback", Value::Boolean(false)),
+        ("setpoint", Value::Float(1.3)),
+        ("angle", Value::Float(1.3)),
+    ];
+    let mut instance = initialised(fmu, &values)?;
+    let mut angle = Signals::new(fmu.description(), &[scalar(fmu, "angle")?]);
+    let mut torque = Signals::new(fmu.description(), &[scalar(fmu, "torque")?]);
     let mut number = [1.3];
     instance.do_step(0.0, SAMPLE)?;
     let mut durations = Vec::new();
@@ -98,7 +120,8 @@ fn demo(root: &Path) -> Result<(), Failure> {
             root.join("dist/fmi3/FlexArmPlant.fmu"),
         )
     };
-    let (duration, outcome) = time(|| host::simulate(&simulation, &mut |_| ControlFlow::Continue(())));
+    let (duration, outcome) =
+        time(|| host::simulate(&simulation, &mut |_| ControlFlow::Continue(())));
     let timing = outcome?.summary.timing;
     let wall = Duration::from_secs_f64(timing.wall_s);
     println!(

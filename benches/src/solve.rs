@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use control::Settings;
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::{FeedbackModel, Initial};
-use control::Settings;
 use serde_json::Value;
 
 use crate::Failure;
@@ -14,10 +14,18 @@ const REPEATS: usize = 40;
 
 /// Prints the solve times over `golden/nmpc_*.json`.
 pub fn run(golden: &Path) -> Result<(), Failure> {
-    println!("NMPC, N = 40, 15 instances each, cold   median        p99        max   iterations (max)");
-    for (arm, settings) in [("pendulum", Settings::pendulum()), ("tflex", Settings::tflex())] {
+    println!(
+        "NMPC, N = 40, 15 instances each, cold   median        p99        max   iterations (max)"
+    );
+    for (arm, settings) in [
+        ("pendulum", Settings::pendulum()),
+        ("tflex", Settings::tflex()),
+    ] {
         let (durations, best, iterations) = measure(arm, &settings, golden)?;
-        println!("  {arm:<10} single calls          {} {iterations:>10}", durations.row());
+        println!(
+            "  {arm:<10} single calls          {} {iterations:>10}",
+            durations.row()
+        );
         println!("  {arm:<10} best of {REPEATS} per instance {}", best.row());
     }
     Ok(())
@@ -38,8 +46,14 @@ fn measure(
         gain_integral: 0.0,
     };
     let new = || {
-        Planner::new(&settings.nmpc, &settings.arm, &settings.motor, &settings.limits, &feedback)
-            .map_err(|errors| errors[0].to_string())
+        Planner::new(
+            &settings.nmpc,
+            &settings.arm,
+            &settings.motor,
+            &settings.limits,
+            &feedback,
+        )
+        .map_err(|errors| errors[0].to_string())
     };
     let mut planner = new()?;
     let cold = new()?;

@@ -11,7 +11,7 @@ use crate::profile::{self, Profile};
 use crate::{Reference, feedforward};
 
 /// Angles beyond this \[rad\] are as good as not a number: no arm turns 10⁵ times.
-const LARGEST_ANGLE: f64 = 1e6;
+pub const LARGEST_ANGLE: f64 = 1e6;
 
 /// Who makes the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ pub struct Command {
     pub plan_status: PlanStatus,
     /// Whether a plan was made at this sample.
     pub new_plan: bool,
-    /// Whether an input was not usable and the last good command is held.
+    /// Whether an input was not usable: the last good command, or the last good setpoint, is held.
     pub measurement_held: bool,
 }
 
@@ -77,6 +77,8 @@ pub struct State {
     measured: u64,
     /// Last usable measured angle \[rad\].
     angle: f64,
+    /// Last usable setpoint \[rad\].
+    setpoint: Option<f64>,
     /// Number of the plan period with which the next plan is due.
     next_plan: u64,
     /// How the plan in force came to be.
@@ -101,6 +103,7 @@ pub struct State {
 pub struct Controller {
     arm: Parameters,
     motor: Motor,
+    limits: Limits,
     sample_period: f64,
     /// Samples in a plan period; need not be a whole number.
     samples_per_plan: f64,
@@ -150,6 +153,7 @@ impl Controller {
             samples: 0,
             measured: 0,
             angle: 0.0,
+            setpoint: None,
             next_plan: 0,
             plan_status: PlanStatus::Idle,
             reference: Reference::default(),
@@ -165,6 +169,7 @@ impl Controller {
         Ok(Self {
             arm: *arm,
             motor: *motor,
+            limits: *limits,
             sample_period: *sample_period,
             samples_per_plan: whole_if_close(nmpc.period / sample_period),
             source: *reference,
@@ -180,20 +185,24 @@ impl Controller {
 
     /// Takes one sample: `angle` measured and `setpoint` wanted \[rad\].
     ///
-    /// The first sample sets the reference to rest at the measured angle. If an input is not a usable
-    /// number, the last good command is held: time and thermal load go on, all else waits.
+    /// The first sample sets the reference to rest at the measured angle. Without a usable angle the
+    /// last good command is held: time and thermal load go on, all else waits. Without a usable setpoint
+    /// the last good one stays in force; before the first, the command is held.
     pub fn sample(&mut self, angle: f64, setpoint: f64) -> Command {
         let usable = |input: f64| input.abs() <= LARGEST_ANGLE;
-        if usable(angle) && usable(setpoint) {
-            self.control(angle, setpoint);
-        } else {
-            self.state.command = Command {
-                thermal_load: self.state.thermal_load,
-                plan_status: PlanStatus::MeasurementHeld,
-                new_plan: false,
-                measurement_held: true,
-                ..self.state.command
-            };
+        if usable(setpoint) {
+            self.state.setpoint = Some(setpoint);
+        }
+        match self.state.setpoint {
+            Some(setpoint) if usable(angle) => self.control(angle, setpoint),
+            _ => {
+                self.state.command.thermal_load = self.state.thermal_load;
+                self.state.command.new_plan = false;
+            }
+        }
+        if !(usable(angle) && usable(setpoint)) {
+            self.state.command.plan_status = PlanStatus::MeasurementHeld;
+            self.state.command.measurement_held = true;
         }
         let state = &mut self.state;
         state.samples += 1;
@@ -241,8 +250,10 @@ impl Controller {
             }
             ReferenceSource::Profile => {
                 let state = &mut self.state;
-                state.reference = self.profile.sample(&mut state.profile, setpoint);
-                state.goal = setpoint;
+                // Eq 35 knows no limits; the arm does.
+                let goal = setpoint.clamp(self.limits.angle_lower, self.limits.angle_upper);
+                state.reference = self.profile.sample(&mut state.profile, goal);
+                state.goal = goal;
             }
         }
         let state = &mut self.state;

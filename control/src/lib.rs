@@ -22,5 +22,5 @@ mod reference;
 pub mod riccati;
 mod sets;
 
-pub use controller::{Command, Controller, ReferenceSource, Settings, State};
+pub use controller::{Command, Controller, LARGEST_ANGLE, ReferenceSource, Settings, State};
 pub use reference::Reference;

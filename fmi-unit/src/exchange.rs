@@ -56,7 +56,7 @@ impl<U: Unit> Instance<U> {
             Some(unit) => unit.derivatives(&self.now.variables, derivatives),
             None => self.initial(U::Variables::MODEL.derivatives, derivatives),
         }
-        Ok(())
+        check_finite::<U>(derivatives)
     }
 
     /// Before the unit exists, states and derivatives are among the initial outputs.
@@ -139,6 +139,21 @@ impl<U: Unit> Instance<U> {
             unit.continuous_states(&mut self.states[which]);
         }
     }
+}
+
+/// An input that is no number must not pass into the importer's solver unnoticed.
+fn check_finite<U: Unit>(derivatives: &[f64]) -> Result<(), Failure> {
+    let model = U::Variables::MODEL;
+    let Some(index) = derivatives.iter().position(|value| !value.is_finite()) else {
+        return Ok(());
+    };
+    let (value, reference) = (derivatives[index], model.derivatives[index]);
+    let (name, unit) = model
+        .find(reference)
+        .map_or(("a derivative", ""), |(v, _)| (v.name, v.unit));
+    Err(Failure(format!(
+        "{name} = {value} {unit} is not finite: check the inputs and the states"
+    )))
 }
 
 fn check_count<U: Unit>(count: usize) -> Result<(), Failure> {

@@ -126,13 +126,15 @@ pub(crate) fn create<U: Unit>(
 pub(crate) unsafe fn release<U: Unit>(handle: *mut c_void, name: &'static str) {
     let handle = handle.cast::<Handle<U>>();
     // SAFETY: by contract.
-    let busy = match unsafe { handle.as_ref() } {
+    let claim = match unsafe { handle.as_ref() } {
         None => return,
-        Some(handle) => handle.claim() == Err(Status::Error),
+        Some(handle) => handle.claim(),
     };
-    if busy {
-        return;
-    }
+    let occupancy = match claim {
+        Ok(()) => IDLE,
+        Err(Status::Fatal) => POISONED,
+        Err(_) => return,
+    };
     // SAFETY: the claim, or the poison, makes this the only reference.
     let within_step = unsafe { (*(*handle).instance.get()).within_step() };
     // SAFETY: likewise.
@@ -141,7 +143,9 @@ pub(crate) unsafe fn release<U: Unit>(handle: *mut c_void, name: &'static str) {
         let message = format_args!("{name}: ignored while a step is under way");
         logger.write(Severity::Error, ERROR, message);
         // SAFETY: likewise.
-        unsafe { &*handle }.occupancy.store(IDLE, Ordering::Release);
+        unsafe { &*handle }
+            .occupancy
+            .store(occupancy, Ordering::Release);
         return;
     }
     // SAFETY: made by `Box::into_raw` in `create`, and used by nobody else.

@@ -152,6 +152,8 @@ impl<U: Unit> Instance<U> {
     /// be corrected.
     pub(crate) fn exit_initialization(&mut self) -> Result<(), Failure> {
         let now = &mut self.now;
+        // What holds until the first event must not depend on who read it before.
+        U::initial_outputs(&mut now.variables);
         match U::new(&mut now.variables, now.start) {
             Ok(unit) => self.unit = Some(unit),
             Err(mut failures) => {

@@ -1,12 +1,13 @@
 //! [`Controller`]: a sampled unit without continuous states; every sample is an event.
 
+use control::LARGEST_ANGLE;
 use control::nmpc::planner::PlanStatus;
 use control::{Command, State};
 use fmi_unit::{Failure, Log, Severity, Unit};
 
 use crate::plan;
 use crate::settings::settings;
-use crate::variables::Variables;
+use crate::variables::{self, Variables};
 
 const WARNING: &str = "logStatusWarning";
 const EVENTS: &str = "logEvents";
@@ -92,16 +93,27 @@ fn write(command: &Command, variables: &mut Variables) {
     variables.feedforward_torque = command.feedforward_torque;
     variables.feedback_torque = command.feedback_torque;
     variables.thermal_load = command.thermal_load;
-    variables.nmpc.status = command.plan_status as i64;
+    variables.nmpc.status = declared(command.plan_status) as i64;
+}
+
+/// The item of the contract that a status is.
+fn declared(status: PlanStatus) -> variables::PlanStatus {
+    match status {
+        PlanStatus::Idle => variables::PlanStatus::Idle,
+        PlanStatus::Solved => variables::PlanStatus::Solved,
+        PlanStatus::GoalProjected => variables::PlanStatus::GoalProjected,
+        PlanStatus::ThermalSlack => variables::PlanStatus::ThermalSlack,
+        PlanStatus::IterationLimit => variables::PlanStatus::IterationLimit,
+        PlanStatus::ShiftedPlan => variables::PlanStatus::ShiftedPlan,
+        PlanStatus::Rest => variables::PlanStatus::Rest,
+        PlanStatus::MeasurementHeld => variables::PlanStatus::MeasurementHeld,
+    }
 }
 
 /// Says once when the way plans come to be changes.
 fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_>) {
     let Variables {
-        angle,
-        setpoint,
-        torque,
-        ..
+        angle, setpoint, ..
     } = *variables;
     let goal = variables.nmpc.goal;
     match status {
@@ -131,13 +143,23 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
             WARNING,
             format_args!("at {time} s no plan was found and none is left: braking to rest"),
         ),
-        PlanStatus::MeasurementHeld => log.write(
-            Severity::Warning,
-            WARNING,
-            format_args!(
-                "at {time} s angle = {angle} rad, setpoint = {setpoint} rad: both must be finite numbers; holding the torque {torque} N.m"
-            ),
-        ),
+        PlanStatus::MeasurementHeld => {
+            for (name, value, held) in [
+                ("angle", angle, "torque"),
+                ("setpoint", setpoint, "setpoint"),
+            ] {
+                if !(value.abs() <= LARGEST_ANGLE) {
+                    log.write(
+                        Severity::Warning,
+                        WARNING,
+                        format_args!(
+                            "at {time} s {name} = {value} rad is outside [-{LARGEST_ANGLE:e}, {LARGEST_ANGLE:e}] rad: \
+                             the last good {held} is held"
+                        ),
+                    );
+                }
+            }
+        }
     }
 }
 

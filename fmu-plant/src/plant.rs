@@ -58,16 +58,20 @@ impl Plant {
         self.start + sample as f64 * self.sample_period
     }
 
-    /// Counts the samples in (last sample, `time`], all as the arm stands now.
-    fn count_samples(&mut self, time: f64) {
-        // A thousandth of a period absorbs the rounding of a master that sums its time.
-        let reached = ((time - self.start) / self.sample_period + 1e-3) as u64;
-        let passed = reached.saturating_sub(self.state.samples);
+    /// Counts `passed` samples, all as the arm stands now.
+    fn count(&mut self, passed: u64) {
         self.state.samples += passed;
         if self.violates() {
             let passed = i32::try_from(passed).unwrap_or(i32::MAX);
             self.state.unpublished = self.state.unpublished.saturating_add(passed);
         }
+    }
+
+    /// Counts the samples in (last sample, `time`].
+    fn count_until(&mut self, time: f64) {
+        // A thousandth of a period absorbs the rounding of a master that sums its time.
+        let reached = ((time - self.start) / self.sample_period + 1e-3) as u64;
+        self.count(reached.saturating_sub(self.state.samples));
     }
 
     fn publish_violations(&mut self, variables: &mut Variables) {
@@ -181,8 +185,9 @@ impl Unit for Plant {
         let mut time = from;
         while time < to {
             let boundary = self.instant(self.state.samples + 1);
-            let end = if boundary < to - 1e-3 * self.sample_period {
-                boundary
+            let reaches_boundary = boundary < to - 1e-3 * self.sample_period;
+            let end = if reaches_boundary {
+                boundary.max(time)
             } else {
                 to
             };
@@ -194,11 +199,31 @@ impl Unit for Plant {
                 variables.disturbance_torque,
                 end - time,
             );
-            self.count_samples(end);
+            if reaches_boundary {
+                // By integer: a sample must pass even where time is too coarse to show it.
+                self.count(1);
+            } else {
+                self.count_until(end);
+            }
             time = end;
         }
         self.publish_violations(variables);
-        Ok(())
+        let Motion {
+            angle,
+            velocity,
+            thermal_load,
+            ..
+        } = self.state.motion;
+        if [angle, velocity, thermal_load]
+            .iter()
+            .all(|x| x.is_finite())
+        {
+            return Ok(());
+        }
+        Err(Failure(format!(
+            "at {to} s angle = {angle} rad, velocity = {velocity} rad/s, thermal_load = {thermal_load} A2: \
+             no longer finite"
+        )))
     }
 
     fn outputs(&self, variables: &mut Variables) {
@@ -245,7 +270,7 @@ impl Unit for Plant {
     }
 
     fn completed_step(&mut self, _: &Variables, time: f64) -> bool {
-        self.count_samples(time);
+        self.count_until(time);
         self.state.unpublished > 0
     }
 }

@@ -288,6 +288,7 @@ fn variable<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Variable> {
         "initial",
         "description",
         "start",
+        "intermediateUpdate",
     ];
     known.extend_from_slice(match kind {
         Kind::Float64 => &["unit", "displayUnit", "min", "max", "nominal", "derivative"],
