@@ -13,6 +13,11 @@ use crate::{Reference, feedforward};
 /// Angles beyond this \[rad\] are as good as not a number: no arm turns 10⁵ times.
 pub const LARGEST_ANGLE: f64 = 1e6;
 
+/// Whether an angle or setpoint \[rad\] can be worked with: a number of at most [`LARGEST_ANGLE`].
+pub fn usable(input: f64) -> bool {
+    input.abs() <= LARGEST_ANGLE
+}
+
 /// Who makes the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceSource {
@@ -189,7 +194,6 @@ impl Controller {
     /// last good command is held: time and thermal load go on, all else waits. Without a usable setpoint
     /// the last good one stays in force; before the first, the command is held.
     pub fn sample(&mut self, angle: f64, setpoint: f64) -> Command {
-        let usable = |input: f64| input.abs() <= LARGEST_ANGLE;
         if usable(setpoint) {
             self.state.setpoint = Some(setpoint);
         }

@@ -22,5 +22,7 @@ mod reference;
 pub mod riccati;
 mod sets;
 
-pub use controller::{Command, Controller, LARGEST_ANGLE, ReferenceSource, Settings, State};
+pub use controller::{
+    Command, Controller, LARGEST_ANGLE, ReferenceSource, Settings, State, usable,
+};
 pub use reference::Reference;

@@ -148,7 +148,7 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
                 ("angle", angle, "torque"),
                 ("setpoint", setpoint, "setpoint"),
             ] {
-                if !(value.abs() <= LARGEST_ANGLE) {
+                if !control::usable(value) {
                     log.write(
                         Severity::Warning,
                         WARNING,
