@@ -103,6 +103,7 @@ fn a_pair_of_both_versions_runs_and_is_recorded() {
     let expected = 2000.0 * 4.0 * (6.0f64.powi(2) + 42.0f64.powi(2) + 258.0f64.powi(2));
     assert_eq!(summary.score.squared_error_rad2, Some(expected));
     assert_eq!(summary.steps, 4);
+    assert_eq!(summary.given.assignments, ["gain=2", "plant:gain=3"]);
     assert!(
         read("report.html").contains("plant")
             && read("log.txt").contains("controller: Ok: 100% ready")
@@ -263,7 +264,7 @@ fn an_fmu_is_shown() {
         "variable communication step",
         "8 variables:",
         "vector[3]",
-        "-10.0 .. 10.0",
+        "-10 .. 10",
     ] {
         assert!(text.contains(expected), "{expected}: {text}");
     }

@@ -209,6 +209,33 @@ fn after_fatal_no_instance_is_called_any_more() {
 }
 
 #[test]
+fn states_are_saved_restored_moved_and_freed() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Fmu::open(&mock(folder.path(), 3)).unwrap();
+    let mut instance = faulty(&fmu, 0);
+    let u = instance.description().scalar("u").unwrap();
+    let mut input = Signals::new(instance.description(), &[u]);
+    instance.do_step(0.0, 1.0).unwrap();
+    let before = instance.save().unwrap();
+    input.write(&mut instance, &[7.0]).unwrap();
+    instance.do_step(1.0, 1.0).unwrap();
+    let after = instance.save().unwrap();
+    instance.restore(&before).unwrap();
+    assert_eq!(value(&mut instance, "y"), 0.0);
+    let bytes = instance.serialize(&after).unwrap();
+    let copy = instance.deserialize(&bytes).unwrap();
+    instance.restore(&copy).unwrap();
+    assert_eq!(value(&mut instance, "y"), 7.0);
+    instance.discard(before).unwrap();
+    let mut other = faulty(&fmu, 0);
+    assert!(matches!(
+        other.restore(&after).unwrap_err(),
+        Error::ForeignState { .. }
+    ));
+    // `after` and `copy` are freed with their instance: the mock ends the process otherwise.
+}
+
+#[test]
 fn states_are_missed_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = Fmu::open(&mock(folder.path(), 2)).unwrap();

@@ -150,7 +150,7 @@ fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
         let mut range = match (v.min, v.max) {
             (None, None) => String::new(),
             (min, max) => {
-                let bound = |b: Option<f64>| b.map_or(String::new(), |b| format!("{b:?}"));
+                let bound = |b: Option<f64>| b.map_or(String::new(), short);
                 format!("{} .. {}", bound(min), bound(max))
             }
         };
@@ -170,6 +170,15 @@ fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
         ]);
     }
     table
+}
+
+/// Powers of ten rather than rows of zeros.
+fn short(number: f64) -> String {
+    if number != 0.0 && !(1e-3..1e5).contains(&number.abs()) {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
 }
 
 fn plain_table() -> Table {

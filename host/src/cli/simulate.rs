@@ -42,7 +42,9 @@ Setpoint files are CSV: header time,setpoint and optional columns named like inp
 row holds until the next one; the first is at time 0.
 
 The folder of -o gets results.csv (every communication point: about 20 MB for 20 s, see --record),
-summary.json, report.html and, if an FMU logs, log.txt. A run that fails leaves nothing there.";
+summary.json, report.html and, if an FMU logs, log.txt. A row of results.csv holds the setpoint and the plant's
+outputs at its time, and the controller's outputs after the step that begins there; enumerations are numbers,
+arrays are left out unless they are connected. A run that fails leaves nothing there.";
 
 /// Runs a controller with a plant and scores it.
 #[derive(Args, Debug)]
@@ -66,10 +68,10 @@ pub(super) struct Arguments {
     /// Connections, factors, offsets and roles (TOML). Default: outputs feed inputs of the same name.
     #[arg(long, value_name = "TOML")]
     connections: Option<PathBuf>,
-    /// End of the run [s]. Default: the end of the setpoints, or the plant's own default.
+    /// End of the run in seconds. Default: the end of the setpoints, or the plant's own default.
     #[arg(long, value_name = "SECONDS")]
     until: Option<f64>,
-    /// Communication step [s].
+    /// Communication step in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.000_25)]
     step: f64,
     /// Which FMU steps first.

@@ -5,6 +5,7 @@
 use super::description::{
     Causality, CoSimulation, DefaultExperiment, Description, Item, Variable, Version,
 };
+use super::reader;
 use super::value::Kind;
 use fmi_rs::model_description::{ModelDescriptionError, fmi2};
 use roxmltree::Document;
@@ -31,7 +32,7 @@ pub(super) fn read(text: &str) -> Result<Description, ModelDescriptionError> {
     Ok(Description {
         version: Version::V2,
         fmi_version: "2.0".into(),
-        problems: parsed.validate().into_iter().map(|p| p.message).collect(),
+        problems: reader::problems(|| parsed.validate()),
         model_exchange: parsed.modelExchange.is_some(),
         scheduled_execution: false,
         co_simulation: parsed.coSimulation.map(|c| CoSimulation {
@@ -44,7 +45,7 @@ pub(super) fn read(text: &str) -> Result<Description, ModelDescriptionError> {
             fixed_internal_step: None,
             has_event_mode: false,
         }),
-        default_experiment: experiment.map_or_else(DefaultExperiment::default, super::experiment),
+        default_experiment: experiment.map_or_else(DefaultExperiment::default, reader::experiment),
         log_categories: parsed.logCategories.into_iter().map(|c| c.name).collect(),
         model_name: parsed.modelName,
         token: parsed.guid,

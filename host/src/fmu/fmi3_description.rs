@@ -3,6 +3,7 @@
 use super::description::{
     Causality, CoSimulation, DefaultExperiment, Description, Item, Variable, Version,
 };
+use super::reader;
 use super::value::Kind;
 use fmi_rs::model_description::ModelDescriptionError;
 use fmi_rs::model_description::fmi3::{self, TypeDefinition, VariableType};
@@ -19,7 +20,7 @@ pub(super) fn read(text: &str) -> Result<Description, ModelDescriptionError> {
     let number = |text: &Option<String>| text.as_ref().and_then(|t| t.trim().parse().ok());
     Ok(Description {
         version: Version::V3,
-        problems: parsed.validate().into_iter().map(|p| p.message).collect(),
+        problems: reader::problems(|| parsed.validate()),
         fmi_version: parsed.fmiVersion,
         model_exchange: parsed.modelExchange.is_some(),
         scheduled_execution: parsed.scheduledExecution.is_some(),
@@ -33,7 +34,7 @@ pub(super) fn read(text: &str) -> Result<Description, ModelDescriptionError> {
             fixed_internal_step: number(&c.fixedInternalStepSize),
             has_event_mode: c.hasEventMode,
         }),
-        default_experiment: experiment.map_or_else(DefaultExperiment::default, super::experiment),
+        default_experiment: experiment.map_or_else(DefaultExperiment::default, reader::experiment),
         log_categories: parsed.logCategories.into_iter().map(|c| c.name).collect(),
         model_name: parsed.modelName,
         token: parsed.instantiationToken,

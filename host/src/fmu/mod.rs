@@ -33,6 +33,7 @@ mod instance;
 mod interface;
 mod log;
 mod platform;
+mod reader;
 mod signals;
 mod status;
 mod value;
@@ -49,6 +50,7 @@ pub use error::Error;
 pub use instance::{Instance, SavedState};
 pub use interface::Experiment;
 pub use log::Message;
+pub(crate) use reader::describe;
 pub use signals::Signals;
 pub use status::Status;
 pub use value::{Buffer, Kind, Value};
@@ -303,74 +305,6 @@ fn missing_library(reason: &str, binary: &Path) -> Option<String> {
     (!binary.ends_with(name)).then(|| name.to_owned())
 }
 
-pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
-    let bytes = fs::read(xml).map_err(|source| Error::NoDescription {
-        file: file.to_owned(),
-        source,
-    })?;
-    let text = decode(bytes);
-    let wrong = |reason: String| Error::Description {
-        file: file.to_owned(),
-        reason,
-    };
-    let version = fmi_version(&text).map_err(wrong)?;
-    let parsed = match version.as_str() {
-        "2.0" => fmi2_description::read(&text),
-        v if v.starts_with("3.") => fmi3_description::read(&text),
-        _ => {
-            return Err(Error::Version {
-                file: file.to_owned(),
-                version,
-            });
-        }
-    };
-    let mut description = parsed.map_err(|e| wrong(e.to_string()))?;
-    for (position, variable) in description.variables.iter().enumerate() {
-        if description
-            .index
-            .insert(variable.name.clone(), position)
-            .is_some()
-        {
-            return Err(Error::DuplicateName {
-                file: file.to_owned(),
-                name: variable.name.clone(),
-            });
-        }
-    }
-    Ok(description)
-}
-
-/// Text of an XML file: UTF-8, or else Latin-1, which older tools declare and write.
-fn decode(bytes: Vec<u8>) -> String {
-    let text = String::from_utf8(bytes)
-        .unwrap_or_else(|error| error.as_bytes().iter().map(|&b| char::from(b)).collect());
-    text.trim_start_matches('\u{feff}').to_owned()
-}
-
-fn fmi_version(text: &str) -> Result<String, String> {
-    let options = roxmltree::ParsingOptions {
-        allow_dtd: true,
-        ..roxmltree::ParsingOptions::default()
-    };
-    let document =
-        roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
-    let version = document.root_element().attribute("fmiVersion");
-    version
-        .map(str::to_owned)
-        .ok_or_else(|| "fmiVersion is missing".to_owned())
-}
-
-/// Numbers of a default experiment.
-fn experiment(declared: &fmi_rs::model_description::DefaultExperiment) -> DefaultExperiment {
-    let number = |text: &Option<String>| text.as_ref().and_then(|t| t.trim().parse().ok());
-    DefaultExperiment {
-        start_time: number(&declared.startTime),
-        stop_time: number(&declared.stopTime),
-        tolerance: number(&declared.tolerance),
-        step_size: number(&declared.stepSize),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -384,11 +318,5 @@ mod tests {
             Some("libgfortran.so.3")
         );
         assert_eq!(missing_library("m.so: invalid ELF header", binary), None);
-    }
-
-    #[test]
-    fn latin_1_and_byte_order_marks_are_read() {
-        assert_eq!(decode(b"<a b='\xe4'/>".to_vec()), "<a b='ä'/>");
-        assert_eq!(decode("\u{feff}<a b='ä'/>".into()), "<a b='ä'/>");
     }
 }

@@ -4,6 +4,7 @@ use super::{Error, Pair, Place, Side, read_text, with_article};
 use crate::fmu::{Description, NameError, Scalar, Value, similar};
 use model_description::ssv;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -14,6 +15,13 @@ pub struct ParameterFile {
     pub side: Option<Side>,
     /// SSV file (SSP 1.0).
     pub path: PathBuf,
+}
+
+impl fmt::Display for ParameterFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.side.map_or(Ok(()), |side| write!(f, "{side}="))?;
+        self.path.display().fmt(f)
+    }
 }
 
 impl FromStr for ParameterFile {
@@ -41,6 +49,13 @@ pub struct Assignment {
     pub name: String,
     /// A number, true, false, or the name of an enumeration's item.
     pub value: String,
+}
+
+impl fmt::Display for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.side.map_or(Ok(()), |side| write!(f, "{side}:"))?;
+        write!(f, "{}={}", self.name, self.value)
+    }
 }
 
 impl FromStr for Assignment {
@@ -355,5 +370,8 @@ mod tests {
                 .contains(":6: plant has no variable arm.inertya, did you mean arm.inertia?")
         );
         assert!("x".parse::<Assignment>().is_err());
+        for text in ["plant:a=1", "a=b"] {
+            assert_eq!(text.parse::<Assignment>().unwrap().to_string(), text);
+        }
     }
 }

@@ -32,11 +32,16 @@ impl OutputFolder {
             return Err(failed(io::ErrorKind::NotADirectory.into()));
         }
         let path = std::path::absolute(path).map_err(failed)?;
-        let parent = path.parent().unwrap_or(&path);
-        fs::create_dir_all(parent).map_err(failed)?;
+        // On the same file system as the folder, so that files can be moved.
+        let beside = if path.is_dir() {
+            &path
+        } else {
+            path.parent().unwrap_or(&path)
+        };
+        fs::create_dir_all(beside).map_err(failed)?;
         let partial = tempfile::Builder::new()
             .prefix(".flexarm-")
-            .tempdir_in(parent)
+            .tempdir_in(beside)
             .map_err(failed)?;
         Ok(Self { path, partial })
     }
@@ -147,6 +152,13 @@ mod tests {
         output.write(&outcome(3)).unwrap();
         assert_eq!(names(&out), ["report.html", "results.csv", "summary.json"]);
         assert_eq!(names(&folder.path().join("a")), ["b"]);
+        fs::write(out.join("notes.txt"), "").unwrap();
+        OutputFolder::prepare(&out)
+            .unwrap()
+            .write(&outcome(3))
+            .unwrap();
+        let all = ["notes.txt", "report.html", "results.csv", "summary.json"];
+        assert_eq!(names(&out), all);
         let csv = fs::read_to_string(out.join("results.csv")).unwrap();
         assert_eq!(
             csv,

@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
-use summary::{Summary, Timing, Unit};
+use summary::{Given, Summary, Timing, Unit};
 
 /// Which FMU steps first.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl std::fmt::Display for Order {
     }
 }
 
-/// What to run.
+/// What to run. Runs start at time 0.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     /// FMU of the controller.
@@ -202,6 +202,7 @@ pub fn simulate_opened(
     let summary = Summary {
         controller: Unit::new(controller),
         plant: Unit::new(plant),
+        given: Given::new(simulation),
         order: simulation.order,
         step_s: simulation.step,
         steps: steps as u64,

@@ -1,11 +1,12 @@
 //! What a run comes to: for people a table, for scripts JSON.
 
-use super::Order;
 use super::score::Score;
+use super::{Order, Simulation};
 use crate::fmu::Fmu;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// One of the two FMUs of a run.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
@@ -32,6 +33,39 @@ impl Unit {
     }
 }
 
+/// What the user gave beside the FMUs.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
+pub struct Given {
+    /// Parameter files, in order.
+    pub parameters: Vec<String>,
+    /// Single values, in order.
+    pub assignments: Vec<String>,
+    /// Setpoint file.
+    pub setpoints: Option<String>,
+    /// Connections file.
+    pub connections: Option<String>,
+}
+
+impl Given {
+    pub(super) fn new(simulation: &Simulation) -> Self {
+        let path = |path: &PathBuf| path.display().to_string();
+        Self {
+            parameters: simulation
+                .parameters
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            assignments: simulation
+                .assignments
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            setpoints: simulation.setpoints.as_ref().map(path),
+            connections: simulation.connections.as_ref().map(path),
+        }
+    }
+}
+
 /// How fast the run was, by the wall clock.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 pub struct Timing {
@@ -50,6 +84,8 @@ pub struct Summary {
     pub controller: Unit,
     /// The plant.
     pub plant: Unit,
+    /// What the user gave beside them.
+    pub given: Given,
     /// Which FMU stepped first.
     pub order: Order,
     /// Communication step \[s\].
@@ -177,6 +213,7 @@ pub(crate) mod tests {
         Summary {
             controller: unit.clone(),
             plant: unit,
+            given: Given::default(),
             order: Order::SideBySide,
             step_s: 0.000_25,
             steps: 4000,

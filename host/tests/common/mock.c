@@ -28,7 +28,7 @@ typedef struct {
     double u, y, gain, fault_time, vector[3], time;
     int fault;
     char label[64];
-    int failed, pending;
+    int failed, pending, states;
     const callbacks2 *callbacks;
     void *environment;
     log3_t log;
@@ -214,7 +214,39 @@ void *fmi3InstantiateCoSimulation(const char *name, const char *token, const cha
     m->log = log;
     return m;
 }
-void fmi3FreeInstance(mock *m) { legal(m, 1); free(m); }
+void fmi3FreeInstance(mock *m) {
+    legal(m, 1);
+    if (m->states) {
+        fputs("mock: a state was not freed\n", stderr);
+        abort();
+    }
+    free(m);
+}
+/* States: FMI 3.0 only, so that a host meets an FMU without them too. */
+int fmi3GetFMUState(mock *m, mock **state) {
+    legal(m, 0);
+    *state = malloc(sizeof *m);
+    **state = *m;
+    m->states++;
+    return OK;
+}
+int fmi3SetFMUState(mock *m, const mock *state) {
+    const int states = m->states;
+    legal(m, 1);
+    *m = *state;
+    m->states = states;
+    return OK;
+}
+int fmi3FreeFMUState(mock *m, mock **state) { legal(m, 1); free(*state); *state = NULL; m->states--; return OK; }
+int fmi3SerializedFMUStateSize(mock *m, const mock *state, size_t *size) { (void)state; legal(m, 0); *size = sizeof *m; return OK; }
+int fmi3SerializeFMUState(mock *m, const mock *state, unsigned char *bytes, size_t size) { legal(m, 0); memcpy(bytes, state, size); return OK; }
+int fmi3DeserializeFMUState(mock *m, const unsigned char *bytes, size_t size, mock **state) {
+    legal(m, 0);
+    *state = malloc(size);
+    memcpy(*state, bytes, size);
+    m->states++;
+    return OK;
+}
 int fmi3EnterInitializationMode(mock *m, bool d, double t, double s, bool e, double p) {
     (void)d, (void)t, (void)s, (void)e, (void)p;
     legal(m, 0);
@@ -257,8 +289,11 @@ int fmi3GetBoolean(mock *m, const unsigned *r, size_t n, unsigned char *v, size_
 }
 int fmi3SetString(mock *m, const unsigned *r, size_t n, const char *const *v, size_t nv) { (void)nv; return fmi2SetString(m, r, n, v); }
 int fmi3DoStep(mock *m, double time, double size, bool final, bool *event, bool *end, bool *early, double *last) {
-    (void)final;
     legal(m, 0);
+    if (final == (m->states > 0)) {
+        fputs("mock: wrong promise about restored states\n", stderr);
+        abort();
+    }
     const int status = step(m, time, size);
     const int now = m->fault != NONE && time + size / 2 >= m->fault_time;
     *event = false;

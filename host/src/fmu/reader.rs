@@ -1,0 +1,121 @@
+//! Reads `modelDescription.xml` of either version.
+
+use super::description::{DefaultExperiment, Description};
+use super::{Error, fmi2_description, fmi3_description};
+use fmi_rs::model_description::ValidationError;
+use std::fs;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// Reads the description of the FMU `file`, unpacked to `xml`.
+pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
+    let bytes = fs::read(xml).map_err(|source| Error::NoDescription {
+        file: file.to_owned(),
+        source,
+    })?;
+    let text = decode(bytes);
+    let wrong = |reason: String| Error::Description {
+        file: file.to_owned(),
+        reason,
+    };
+    let version = fmi_version(&text).map_err(wrong)?;
+    let parsed = match version.as_str() {
+        "2.0" => fmi2_description::read(&text),
+        v if v.starts_with("3.") => fmi3_description::read(&text),
+        _ => {
+            return Err(Error::Version {
+                file: file.to_owned(),
+                version,
+            });
+        }
+    };
+    let mut description = parsed.map_err(|e| wrong(e.to_string()))?;
+    for (position, variable) in description.variables.iter().enumerate() {
+        if description
+            .index
+            .insert(variable.name.clone(), position)
+            .is_some()
+        {
+            return Err(Error::DuplicateName {
+                file: file.to_owned(),
+                name: variable.name.clone(),
+            });
+        }
+    }
+    Ok(description)
+}
+
+/// Text of an XML file: UTF-8, or else Latin-1, which older tools declare and write.
+fn decode(bytes: Vec<u8>) -> String {
+    let text = String::from_utf8(bytes)
+        .unwrap_or_else(|error| error.as_bytes().iter().map(|&b| char::from(b)).collect());
+    text.trim_start_matches('\u{feff}').to_owned()
+}
+
+fn fmi_version(text: &str) -> Result<String, String> {
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..roxmltree::ParsingOptions::default()
+    };
+    let document =
+        roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+    let version = document.root_element().attribute("fmiVersion");
+    version
+        .map(str::to_owned)
+        .ok_or_else(|| "fmiVersion is missing".to_owned())
+}
+
+/// Numbers of a default experiment.
+pub(super) fn experiment(
+    declared: &fmi_rs::model_description::DefaultExperiment,
+) -> DefaultExperiment {
+    let number = |text: &Option<String>| text.as_ref().and_then(|t| t.trim().parse().ok());
+    DefaultExperiment {
+        start_time: number(&declared.startTime),
+        stop_time: number(&declared.stopTime),
+        tolerance: number(&declared.tolerance),
+        step_size: number(&declared.stepSize),
+    }
+}
+
+/// What the validation of a description finds.
+///
+/// `fmi-rs` 0.3 checks names with a scanner in C that has global state and ends the process if two threads
+/// use it at once.
+pub(super) fn problems(validate: impl FnOnce() -> Vec<ValidationError>) -> Vec<String> {
+    static SCANNER: Mutex<()> = Mutex::new(());
+    let _one_at_a_time = SCANNER.lock().unwrap_or_else(PoisonError::into_inner);
+    validate()
+        .into_iter()
+        .map(|problem| problem.message)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn latin_1_and_byte_order_marks_are_read() {
+        assert_eq!(decode(b"<a b='\xe4'/>".to_vec()), "<a b='ä'/>");
+        assert_eq!(decode("\u{feff}<a b='ä'/>".into()), "<a b='ä'/>");
+    }
+
+    #[test]
+    fn many_threads_may_read_at_once() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../modelDescription/controller.xml"
+        );
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for _ in 0..20 {
+                        let read = describe(Path::new("test.fmu"), Path::new(path)).unwrap();
+                        assert!(read.problems.is_empty());
+                    }
+                });
+            }
+        });
+    }
+}
