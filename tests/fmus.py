@@ -17,6 +17,7 @@ from fmpy.logging import addLoggerProxy
 from conftest import DIST, fmu
 
 SAMPLE = 0.00025
+LOGGERS = []
 ENUMERATIONS = {
     "reference.source": {"nmpc": 1, "profile": 2},
     "feedback.law": {"lqr": 1, "lqri": 2, "pid": 3},
@@ -62,7 +63,8 @@ class CoSimulation:
                 callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
                 # The logger of FMI 2.0 is variadic: FMPy's proxy formats the message.
                 addLoggerProxy(byref(callbacks))
-                self._callbacks = callbacks
+                # The proxy keeps one logger for the whole process and calls it for later instances too.
+                LOGGERS.append(callbacks)
             self.fmu.instantiate(loggingOn=log is not None, callbacks=callbacks)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self._getters, self._setters = {}, {}
