@@ -59,7 +59,10 @@ def test_with_hysteresis_the_discretisation_of_eq_13_is_what_differs(version):
     assert whole / half == pytest.approx(2.0, rel=0.1)
 
 
-@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+COUNT = pytest.mark.xfail(reason="open defect: Model Exchange counts another number of violations")
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", pytest.param("ModelExchange", marks=COUNT)])
 def test_violations_are_counted_in_both_interfaces(version, interface):
     """A torque that throws the arm over its upper limit, where it stays: all later samples count."""
     result = simulate_fmu(
