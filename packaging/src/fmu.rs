@@ -35,6 +35,8 @@ pub struct Content {
     pub binaries: Vec<(Platform, Vec<u8>)>,
     /// Licences of it and of what it links.
     pub licences: Licences,
+    /// `terminalsAndIcons.xml`, which FMI 2.0 does not have.
+    pub terminals: Vec<u8>,
     /// `documentation/index.html`.
     pub page: String,
     /// The icon, 200 × 200.
@@ -55,6 +57,8 @@ impl Content {
             }
             Version::Fmi3 => {
                 fmu.add("modelDescription.xml", fmi3::write(&self.description));
+                let terminals = self.terminals.clone();
+                fmu.add("terminalsAndIcons/terminalsAndIcons.xml", terminals);
                 fmu.add("terminalsAndIcons/icon.png", self.icon_png.clone());
                 fmu.add("terminalsAndIcons/icon.svg", self.icon_svg.clone());
             }

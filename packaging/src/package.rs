@@ -34,6 +34,9 @@ const UNITS: [Unit; 2] = [
     },
 ];
 
+/// Terminals of both units in FMI 3.0.
+const TERMINALS: &str = "modelDescription/terminalsAndIcons.xml";
+
 /// Builds both units and writes the FMUs and the parameter sets.
 pub fn run(workspace: &Workspace) -> Result<(), String> {
     announce("Checking the contracts and writing the parameter sets");
@@ -81,6 +84,7 @@ fn contents(
         contents.push(Content {
             binaries: vec![(platform, binary)],
             licences: Licences::collect(workspace, platform, unit.package)?,
+            terminals: workspace.read_bytes(TERMINALS)?,
             page: page::write(workspace, &description, unit.art, "")?,
             icon_png: art("png")?,
             icon_svg: art("svg")?,

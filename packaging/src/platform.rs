@@ -11,7 +11,7 @@ pub struct Platform {
     pub triple: &'static str,
     /// Folder in `binaries/` of an FMI 2.0 FMU (FMI 2.0 sec 2.3).
     pub fmi2: &'static str,
-    /// Folder in `binaries/` of an FMI 3.0 FMU (FMI 3.0 sec 2.5.1.4).
+    /// Folder in `binaries/` of an FMI 3.0 FMU (FMI 3.0 sec 2.5.1).
     pub fmi3: &'static str,
     /// Suffix of shared libraries.
     pub suffix: &'static str,
