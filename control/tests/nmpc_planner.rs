@@ -371,6 +371,56 @@ fn a_period_too_long_for_the_feedback_is_refused() {
     };
     let errors = planner(&arm).err().expect("refused");
     assert_eq!(errors[0].name, "nmpc.period");
+    let text = errors[0].to_string();
+    let longest = text.rsplit(' ').nth(1).expect("a number before the unit");
+    // The number given is admissible, and hardly more is.
+    arm.settings.period = longest.parse::<f64>().expect("number") - 1e-4;
+    assert!(planner(&arm).is_ok(), "{text}");
+    arm.settings.period += 2e-2;
+    assert!(planner(&arm).is_err(), "{text}");
+    arm.settings.period = 1.0;
     arm.settings.models_feedback = false;
     assert!(planner(&arm).is_ok());
+}
+
+/// Weights from one end of their range to the other.
+#[test]
+fn extreme_weights_give_plans_or_are_refused() {
+    let (mut refused, mut unsolved) = (0, 0);
+    let mut uniform = Uniform(11);
+    for _ in 0..60 {
+        let mut arm = if uniform.within(0.0, 1.0) < 0.5 {
+            tflex()
+        } else {
+            pendulum()
+        };
+        let mut weight = |low: f64, high: f64| 10_f64.powf(uniform.within(low, high));
+        arm.settings.weights.angle = weight(-6.0, 6.0);
+        arm.settings.weights.velocity = weight(-9.0, 3.0);
+        arm.settings.weights.thermal = weight(-9.0, 3.0);
+        arm.settings.weights.acceleration = weight(-9.0, 3.0);
+        let planner = Planner::new(
+            &arm.settings,
+            &arm.arm,
+            &arm.motor,
+            &arm.limits,
+            &arm.feedback,
+        );
+        let Ok(mut planner) = planner else {
+            refused += 1;
+            continue;
+        };
+        for _ in 0..3 {
+            let (initial, goal) = uniform.start(&arm, [0.0, 0.9]);
+            planner.set_state(&Default::default());
+            let plan = planner.plan(&initial, goal);
+            assert_finite(plan);
+            unsolved += u32::from(!matches!(
+                plan.status,
+                PlanStatus::Solved | PlanStatus::IterationLimit
+            ));
+        }
+    }
+    assert_eq!(refused, 0);
+    assert!(unsolved <= 2, "{unsolved}");
 }

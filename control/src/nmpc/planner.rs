@@ -27,6 +27,8 @@ use super::unconstrained::Unconstrained;
 const EXCESS_WEIGHT: f64 = 1e3;
 /// Movement whose cost is the least that counts as 1, so that a plan to stay has a scale \[rad\].
 const LEAST_MOVEMENT: f64 = 1e-4;
+/// Excess of an unfinished plan that is taken, relative to that of the fallback.
+const NEARLY_LEAST: f64 = 1.01;
 /// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
 /// that is above 1.
 const REST_TOLERANCE: f64 = 1e-6;
@@ -103,6 +105,7 @@ pub struct Planner {
     /// None for N = 2, where terminal rest leaves no choice.
     solver: Option<Box<dyn Solver + Send>>,
     least_scale: f64,
+    cost_scale: f64,
     angle_bounds: Vec<[f64; 2]>,
     state: PlannerState,
     plan: Plan,
@@ -132,7 +135,10 @@ impl Planner {
             vec![Inadmissible {
                 name: "nmpc.weight_acceleration",
                 value: problem.weights.acceleration,
-                admissible: "large enough beside the other weights for a definite cost".to_owned(),
+                admissible: format!(
+                    "large enough beside the other weights for a definite cost: more than {:e}",
+                    problem.weights.acceleration
+                ),
                 unit: "s4",
             }]
         })?;
@@ -147,6 +153,7 @@ impl Planner {
             unconstrained,
             solver,
             least_scale,
+            cost_scale: least_scale,
             angle_bounds: vec![[0.0; 2]; horizon - 1],
             state: PlannerState {
                 moves: vec![0.0; horizon],
@@ -218,77 +225,117 @@ impl Planner {
 
     /// Makes a new plan; none if there is none worth having.
     fn solve(&mut self, setpoint: f64) -> Option<PlanStatus> {
-        let transcription = &self.transcription;
-        let Plan {
-            iterations,
-            convex_problems,
-            goal,
-            moves,
-            trajectory,
-            ..
-        } = &mut self.plan;
-        (*iterations, *convex_problems) = (0, 1);
-        let settled = self.unconstrained.solve(transcription, moves, trajectory);
-        let cost_scale = trajectory.cost.max(self.least_scale);
-        bound_angle(&mut self.angle_bounds, transcription.problem(), trajectory);
-        let mut status = SolverStatus::Solved;
-        if let Some(solver) = &mut self.solver
-            && !(settled && task(transcription, &self.angle_bounds, cost_scale).admits(trajectory))
-        {
-            if self.state.left > 0 {
-                transcription.roll_out(&self.state.moves, &mut self.shifted);
-                self.spline.fit(&self.shifted);
-                self.spline.fix_ends(transcription);
-                self.spline.moves(&mut self.guess);
-                transcription.roll_out(&self.guess, &mut self.guess_trajectory);
-                let task = task(transcription, &self.angle_bounds, cost_scale);
-                if task.merit(&self.guess_trajectory) < task.merit(trajectory) {
-                    moves.copy_from_slice(&self.guess);
-                    std::mem::swap(trajectory, &mut self.guess_trajectory);
-                }
-            }
-            let mut outcome = solver.solve(
-                &task(transcription, &self.angle_bounds, cost_scale),
-                moves,
-                trajectory,
-            );
-            (*iterations, *convex_problems) = (outcome.iterations, outcome.convex_problems);
-            if outcome.status == SolverStatus::Infeasible {
-                // So short a horizon leaves too little freedom: allow what terminal rest takes.
-                self.unconstrained.solve(transcription, moves, trajectory);
-                widen(&mut self.angle_bounds, trajectory);
-                outcome = solver.solve(
-                    &task(transcription, &self.angle_bounds, cost_scale),
-                    moves,
-                    trajectory,
-                );
-                *iterations += outcome.iterations;
-                *convex_problems += outcome.convex_problems;
-            }
-            status = outcome.status;
+        let plan = &mut self.plan;
+        let settled =
+            self.unconstrained
+                .solve(&self.transcription, &mut plan.moves, &mut plan.trajectory);
+        plan.convex_problems = 1;
+        self.cost_scale = plan.trajectory.cost.max(self.least_scale);
+        bound_angle(
+            &mut self.angle_bounds,
+            self.transcription.problem(),
+            &plan.trajectory,
+        );
+        let status = if settled && self.task().admits(&self.plan.trajectory) {
+            SolverStatus::Solved
+        } else {
+            self.run_solver()
+        };
+
+        if status == SolverStatus::IterationLimit {
+            self.roll_out_fall_back();
         }
+        let Plan {
+            moves, trajectory, ..
+        } = &self.plan;
         if !trajectory.is_finite() || moves.iter().any(|u| !u.is_finite()) {
             return None;
         }
-        let task = task(transcription, &self.angle_bounds, cost_scale);
         let over = trajectory.excess > THERMAL_TOLERANCE;
         match status {
             SolverStatus::Solved if over => Some(PlanStatus::ThermalSlack),
-            SolverStatus::Solved if *goal != setpoint => Some(PlanStatus::GoalProjected),
+            SolverStatus::Solved if self.plan.goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
-            SolverStatus::IterationLimit if task.admits(trajectory) => {
+            SolverStatus::IterationLimit if self.task().admits(trajectory) => {
                 Some(PlanStatus::IterationLimit)
             }
-            // Excess is near its least long before the sequence settles; it is taken where the shifted
-            // plan would exceed the limit as well.
+            // Excess is near its least long before the sequence settles; it is taken unless going on as
+            // before, or braking, exceeds the limit by less.
             SolverStatus::IterationLimit
-                if task.angle_excess(trajectory) <= ANGLE_TOLERANCE
-                    && (self.state.left == 0 || self.shifted.excess > THERMAL_TOLERANCE) =>
+                if self.task().angle_excess(trajectory) <= ANGLE_TOLERANCE
+                    && trajectory.total_excess <= NEARLY_LEAST * self.shifted.total_excess =>
             {
                 Some(PlanStatus::ThermalSlack)
             }
             SolverStatus::IterationLimit | SolverStatus::Infeasible => None,
         }
+    }
+
+    /// Rolls out what there is without a new plan: the previous one, shifted, or braking.
+    fn roll_out_fall_back(&mut self) {
+        let transcription = &self.transcription;
+        if self.state.left > 0 {
+            self.guess.copy_from_slice(&self.state.moves);
+        } else {
+            brake(
+                transcription.problem(),
+                transcription.initial(),
+                &mut self.guess,
+            );
+        }
+        transcription.roll_out(&self.guess, &mut self.shifted);
+    }
+
+    /// Improves on the plan without inequalities.
+    fn run_solver(&mut self) -> SolverStatus {
+        self.guess_from_shifted();
+        let Some(solver) = &mut self.solver else {
+            return SolverStatus::Solved;
+        };
+        let transcription = &self.transcription;
+        let Plan {
+            iterations,
+            convex_problems,
+            moves,
+            trajectory,
+            ..
+        } = &mut self.plan;
+        let bounded = task(transcription, &self.angle_bounds, self.cost_scale);
+        let mut outcome = solver.solve(&bounded, moves, trajectory);
+        (*iterations, *convex_problems) = (outcome.iterations, outcome.convex_problems);
+        if outcome.status == SolverStatus::Infeasible {
+            // So short a horizon leaves too little freedom: allow what terminal rest takes.
+            self.unconstrained.solve(transcription, moves, trajectory);
+            widen(&mut self.angle_bounds, trajectory);
+            let widened = task(transcription, &self.angle_bounds, self.cost_scale);
+            outcome = solver.solve(&widened, moves, trajectory);
+            *iterations += outcome.iterations;
+            *convex_problems += outcome.convex_problems;
+        }
+        outcome.status
+    }
+
+    /// Replaces the plan by the previous one, shifted and led to the goal, if that is better.
+    fn guess_from_shifted(&mut self) {
+        if self.state.left == 0 {
+            return;
+        }
+        let transcription = &self.transcription;
+        transcription.roll_out(&self.state.moves, &mut self.shifted);
+        self.spline.fit(&self.shifted);
+        self.spline.fix_ends(transcription);
+        self.spline.moves(&mut self.guess);
+        transcription.roll_out(&self.guess, &mut self.guess_trajectory);
+        let task = self.task();
+        if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {
+            self.plan.moves.copy_from_slice(&self.guess);
+            std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
+        }
+    }
+
+    /// The task at hand.
+    fn task(&self) -> Task<'_> {
+        task(&self.transcription, &self.angle_bounds, self.cost_scale)
     }
 
     /// Goes on with the previous moves if they still end at rest, else brakes.
@@ -318,7 +365,7 @@ impl Planner {
     }
 }
 
-/// The task at hand, with the planner's price of thermal excess.
+/// A task with the planner's price of thermal excess.
 fn task<'a>(
     transcription: &'a Transcription,
     angle_bounds: &'a [[f64; 2]],

@@ -90,21 +90,23 @@ impl Settings {
                 ),
             },
         };
-        let growth = Transcription::new(problem).deviation_growth();
-        if growth.powi(self.horizon) <= MAX_DEVIATION_GROWTH {
-            Ok(problem)
-        } else {
-            Err(vec![Inadmissible {
-                name: "nmpc.period",
-                value: self.period,
-                admissible: format!(
-                    "short enough for RK4 to follow the feedback: here the predicted tracking error \
-                     grows by {growth:.3e} per period; shorten it, lower the gains, or set \
-                     nmpc.models_feedback = false"
-                ),
-                unit: "s",
-            }])
+        if predictable(&problem, self.period) {
+            return Ok(problem);
         }
+        let mut longest = [1e-6, self.period];
+        for _ in 0..40 {
+            let middle = 0.5 * (longest[0] + longest[1]);
+            longest[usize::from(!predictable(&problem, middle))] = middle;
+        }
+        Err(vec![Inadmissible {
+            name: "nmpc.period",
+            value: self.period,
+            admissible: format!(
+                "short enough for RK4 to follow the feedback that the plan models: at most {:.4}",
+                longest[0]
+            ),
+            unit: "s",
+        }])
     }
 
     fn validate(&self, motor: &Motor, limits: &Limits, errors: &mut Vec<Inadmissible>) {
@@ -156,4 +158,10 @@ impl Settings {
         let share = [1e-3, 1.0];
         require(errors, "nmpc.thermal_share", self.thermal_share, share, "1");
     }
+}
+
+/// Whether the tracking error stays bounded over the horizon when predicted with this period.
+fn predictable(problem: &Problem, period: f64) -> bool {
+    let growth = Transcription::new(Problem { period, ..*problem }).deviation_growth();
+    growth.powf(problem.horizon as f64) <= MAX_DEVIATION_GROWTH
 }

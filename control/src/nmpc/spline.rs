@@ -111,8 +111,7 @@ pub fn free_columns(k: usize, free: usize) -> impl Iterator<Item = (usize, usize
 /// every start and goal.
 pub fn hessian(transcription: &Transcription) -> DMatrix<f64> {
     // The cost without heat is a quadratic form: differences of its gradient are exact.
-    let mut problem = *transcription.problem();
-    problem.weights.thermal = 0.0;
+    let problem = *transcription.problem();
     let horizon = problem.horizon;
     let homogeneous = Transcription::new(problem);
     let mut spline = Spline::new(horizon, problem.period);
@@ -126,7 +125,7 @@ pub fn hessian(transcription: &Transcription) -> DMatrix<f64> {
         spline.free()[m] = 1.0;
         spline.moves(&mut moves);
         homogeneous.follow(&moves, &mut rollout);
-        homogeneous.differentiate(&moves, &rollout, &mut sensitivity);
+        homogeneous.differentiate(0.0, &moves, &rollout, &mut sensitivity);
         let mut column = hessian.column_mut(m);
         gather(problem.period, &sensitivity, column.as_mut_slice());
     }
@@ -185,7 +184,7 @@ mod tests {
                 spline.moves(&mut moves);
                 transcription.roll_out(&moves, &mut rollout);
                 let mut sensitivity = Sensitivity::new(40);
-                transcription.differentiate(&moves, &rollout, &mut sensitivity);
+                transcription.differentiate(0.0, &moves, &rollout, &mut sensitivity);
                 let mut gradient = nalgebra::DVector::zeros(38);
                 gather(problem.period, &sensitivity, gradient.as_mut_slice());
                 (rollout.cost, gradient)

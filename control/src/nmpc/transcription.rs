@@ -202,8 +202,15 @@ impl Transcription {
         }
     }
 
-    /// ∂cost/∂(θr, ωr, u) and the price of heat along `rollout` of `moves`.
-    pub fn differentiate(&self, moves: &[f64], rollout: &Rollout, out: &mut Sensitivity) {
+    /// ∂cost/∂(θr, ωr, u) and the price of heat along `rollout` of `moves`, with the weight
+    /// `weight_thermal` in place of q_T: 0 leaves the cost of heat out.
+    pub fn differentiate(
+        &self,
+        weight_thermal: f64,
+        moves: &[f64],
+        rollout: &Rollout,
+        out: &mut Sensitivity,
+    ) {
         let (h, weights) = (self.problem.period, &self.problem.weights);
         let (mut integral_price, mut load_price) = (0.0, 0.0);
         for k in (0..self.problem.horizon).rev() {
@@ -212,7 +219,7 @@ impl Transcription {
 
             // Thermal load: price of T_j in the cost, then of q_i and of T at the start.
             let direct: [f64; STAGES] =
-                std::array::from_fn(|j| quadrature[j] * weights.thermal * stages[j].thermal_load);
+                std::array::from_fn(|j| quadrature[j] * weight_thermal * stages[j].thermal_load);
             let prices = [direct[0], direct[1], direct[2], direct[3], load_price];
             let heat_price = std::array::from_fn(|i| {
                 (0..=STAGES)
@@ -401,7 +408,7 @@ mod tests {
             let problem = rich(if flexure { tflex() } else { pendulum() });
             let (transcription, rollout) = rolled_out(problem, initial, goal, &moves);
             let mut sensitivity = Sensitivity::new(12);
-            transcription.differentiate(&moves, &rollout, &mut sensitivity);
+            transcription.differentiate(problem.weights.thermal, &moves, &rollout, &mut sensitivity);
             prop_assert!(sensitivity.heat_price.iter().flatten().all(|&price| price >= 0.0));
             // dcost/du_k in full: own interval, and the states of all later ones.
             let h = problem.period;

@@ -2,7 +2,7 @@
 //! solver, and the final answer wherever it keeps the limits.
 //!
 //! Without q_T the cost is a quadratic form ½·cᵀHc + … of the free coefficients with a constant H, so
-//! one Newton step is exact. With q_T the step is repeated with the true gradient and the same H, which
+//! one Newton step is exact. With q_T more steps follow, with the true gradient and the same H, which
 //! q_T·T² hardly bends, until the cost settles.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -44,36 +44,64 @@ impl Unconstrained {
         moves: &mut [f64],
         rollout: &mut Rollout,
     ) -> bool {
-        let period = transcription.problem().period;
-        let exact_in_one = transcription.problem().weights.thermal == 0.0;
+        let weight_thermal = transcription.problem().weights.thermal;
         self.spline.free().fill(transcription.goal());
         self.spline.fix_ends(transcription);
         self.spline.moves(moves);
         transcription.roll_out(moves, rollout);
+        self.find_step(0.0, transcription, moves, rollout);
+        self.take_step(-1.0, transcription, moves, rollout);
+        if weight_thermal == 0.0 {
+            return true;
+        }
         for _ in 0..MAX_STEPS {
-            transcription.differentiate(moves, rollout, &mut self.sensitivity);
-            gather(period, &self.sensitivity, self.step.as_mut_slice());
-            let decrease = 0.5 * self.newton_step();
-            for (c, step) in self.spline.free().iter_mut().zip(self.step.iter()) {
-                *c -= step;
-            }
-            self.spline.moves(moves);
-            transcription.roll_out(moves, rollout);
-            if exact_in_one || decrease <= SETTLED * rollout.cost {
+            let decrease = self.find_step(weight_thermal, transcription, moves, rollout);
+            let before = rollout.cost;
+            self.take_step(-1.0, transcription, moves, rollout);
+            if decrease <= SETTLED * rollout.cost {
                 return true;
+            }
+            if rollout.cost.is_nan() || rollout.cost > before {
+                // q_T bends the cost too much for this H.
+                self.take_step(1.0, transcription, moves, rollout);
+                return false;
             }
         }
         false
     }
 
-    /// Turns the gradient g in `step` into H⁻¹g; gᵀH⁻¹g, twice the decrease of the cost to expect.
-    fn newton_step(&mut self) -> f64 {
+    /// The step H⁻¹g, with g the gradient for the given q_T; the decrease of the cost to expect, ½·gᵀH⁻¹g.
+    fn find_step(
+        &mut self,
+        weight_thermal: f64,
+        transcription: &Transcription,
+        moves: &[f64],
+        rollout: &Rollout,
+    ) -> f64 {
+        let period = transcription.problem().period;
+        transcription.differentiate(weight_thermal, moves, rollout, &mut self.sensitivity);
+        gather(period, &self.sensitivity, self.step.as_mut_slice());
         // With H = L·Lᵀ: gᵀH⁻¹g = ‖L⁻¹g‖².
         let lower = self.factor.l_dirty();
         lower.solve_lower_triangular_mut(&mut self.step);
         let decrement = self.step.norm_squared();
         lower.tr_solve_lower_triangular_mut(&mut self.step);
-        decrement
+        0.5 * decrement
+    }
+
+    /// Adds `factor` times the step to the spline and rolls out.
+    fn take_step(
+        &mut self,
+        factor: f64,
+        transcription: &Transcription,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+    ) {
+        for (c, step) in self.spline.free().iter_mut().zip(self.step.iter()) {
+            *c += factor * step;
+        }
+        self.spline.moves(moves);
+        transcription.roll_out(moves, rollout);
     }
 }
 
@@ -100,9 +128,8 @@ mod tests {
             prop_assert!(unconstrained.solve(&transcription, &mut moves, &mut rollout));
             prop_assert!((rollout.angle[40] - goal).abs() < 1e-9);
             // What another Newton step would still gain.
-            transcription.differentiate(&moves, &rollout, &mut unconstrained.sensitivity);
-            gather(problem.period, &unconstrained.sensitivity, unconstrained.step.as_mut_slice());
-            let left = unconstrained.newton_step();
+            let weight = problem.weights.thermal;
+            let left = unconstrained.find_step(weight, &transcription, &moves, &rollout);
             prop_assert!(left <= 1e-10 * rollout.cost, "{left} of {}", rollout.cost);
         }
     }

@@ -46,13 +46,13 @@ pub struct Convex {
     band: usize,
     /// Hessian of the cost without heat \[(N − 2) × (N − 2)\].
     hessian: DMatrix<f64>,
-    max_curvature: f64,
     /// W, A² of thermal load per A² of squared current held for an interval.
     heat_weight: f64,
     p: CscMatrix<f64>,
     a: CscMatrix<f64>,
     q: Vec<f64>,
     b: Vec<f64>,
+    sigma: f64,
     damping: f64,
     sensitivity: Sensitivity,
 }
@@ -73,13 +73,13 @@ impl Convex {
             free,
             loads: problem.thermal_limit.map_or(0, |_| horizon),
             band,
-            max_curvature: hessian.diagonal().max(),
             hessian,
             heat_weight: transcription.thermal().weights().iter().sum(),
             p: CscMatrix::zeros((0, 0)),
             a: CscMatrix::zeros((0, 0)),
             q: Vec::new(),
             b: Vec::new(),
+            sigma: 0.0,
             damping: 0.0,
             sensitivity: Sensitivity::new(horizon),
         };
@@ -174,49 +174,68 @@ impl Convex {
         CscMatrix::new(shape.0, shape.1, starts, rows, values)
     }
 
-    /// σ, change of the spline's coefficients per unit of x \[rad\].
-    pub fn sigma(&self, task: &Task<'_>) -> f64 {
-        (task.cost_scale / self.max_curvature).sqrt()
+    /// σ, change of the spline's coefficients per unit of x in the problem as posed \[rad\].
+    pub fn sigma(&self) -> f64 {
+        self.sigma
     }
 
     /// Poses the problem around `rollout` of `moves`, with steps shortened by `damping`.
     pub fn pose(&mut self, task: &Task<'_>, moves: &[f64], rollout: &Rollout, damping: f64) {
         let transcription = task.transcription;
         let problem = transcription.problem();
-        let sigma = self.sigma(task);
-        self.damping = damping;
-        transcription.differentiate(moves, rollout, &mut self.sensitivity);
+        transcription.differentiate(
+            problem.weights.thermal,
+            moves,
+            rollout,
+            &mut self.sensitivity,
+        );
+        self.pose_curvature(task, rollout, damping);
+
         let gradient = &mut self.q[..self.free];
         gather(problem.period, &self.sensitivity, gradient);
-        gradient
-            .iter_mut()
-            .for_each(|q| *q *= sigma / task.cost_scale);
-
+        for q in gradient {
+            *q *= self.sigma / task.cost_scale;
+        }
         let (upper, lower) = self.b.split_at_mut(self.horizon - 1);
         for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
             let angle = rollout.reference_angle[k + 1];
-            upper[k] = (highest - angle) / sigma;
-            lower[k] = (angle - lowest) / sigma;
-        }
-
-        let curvature = (1.0 + damping) * sigma * sigma / task.cost_scale;
-        for m in 0..self.free {
-            for place in self.p.colptr[m]..self.p.colptr[m + 1] {
-                self.p.nzval[place] = self.hessian[(self.p.rowval[place], m)] * curvature;
-            }
-        }
-        if problem.weights.thermal > 0.0 {
-            self.pose_heat_cost(task, rollout, curvature);
+            upper[k] = (highest - angle) / self.sigma;
+            lower[k] = (angle - lowest) / self.sigma;
         }
         if let Some(limit) = problem.thermal_limit {
             self.pose_thermal_limit(task, rollout, limit);
         }
     }
 
-    /// Adds the curvature of the cost of heat to P.
-    fn pose_heat_cost(&mut self, task: &Task<'_>, rollout: &Rollout, curvature: f64) {
+    /// P, and with it σ.
+    fn pose_curvature(&mut self, task: &Task<'_>, rollout: &Rollout, damping: f64) {
+        let problem = task.transcription.problem();
+        for m in 0..self.free {
+            for place in self.p.colptr[m]..self.p.colptr[m + 1] {
+                self.p.nzval[place] = self.hessian[(self.p.rowval[place], m)];
+            }
+        }
+        if problem.weights.thermal > 0.0 {
+            self.add_heat_curvature(task, rollout);
+        }
+        // The diagonal is last in every column.
+        let diagonal = self.p.colptr[1..=self.free]
+            .iter()
+            .map(|end| self.p.nzval[end - 1]);
+        let steepest = diagonal.fold(0.0, f64::max);
+        let range = problem.angle_upper - problem.angle_lower;
+        self.sigma = (task.cost_scale / steepest).sqrt().min(range);
+        self.damping = damping;
+        let scale = (1.0 + damping) * self.sigma * self.sigma / task.cost_scale;
+        for p in &mut self.p.nzval {
+            *p *= scale;
+        }
+    }
+
+    /// Adds the curvature of the cost of heat to the Hessian.
+    fn add_heat_curvature(&mut self, task: &Task<'_>, rollout: &Rollout) {
         let motor = &task.transcription.problem().motor;
-        let per_current = 2.0 * curvature / (motor.torque_constant * motor.torque_constant);
+        let per_current = 2.0 / (motor.torque_constant * motor.torque_constant);
         for k in 0..self.horizon {
             for j in 0..STAGES {
                 let slope = self.torque_slope(task, rollout, k, j);
@@ -236,7 +255,6 @@ impl Convex {
         let thermal = task.transcription.thermal();
         let unit = self.heat_weight * limit;
         let per_torque = 1.0 / (task.transcription.problem().motor.torque_constant * limit.sqrt());
-        let sigma = self.sigma(task);
         for k in 0..self.horizon {
             let [load, next] = [rollout.thermal_load[k], rollout.thermal_load[k + 1]];
             let (room, cone) = (self.room_row() + k, self.cone_row(k));
@@ -250,7 +268,7 @@ impl Convex {
                 let slope = self.torque_slope(task, rollout, k, j);
                 for (column, m) in free_columns(k, self.free) {
                     let place = self.a.colptr[m] + BOUNDS + (2 - column) * STAGES + j;
-                    self.a.nzval[place] = -weight * sigma * slope[column];
+                    self.a.nzval[place] = -weight * self.sigma * slope[column];
                 }
             }
         }
@@ -349,7 +367,7 @@ mod tests {
                 *x = 0.01 * step;
             }
             for (c, x) in spline.free().iter_mut().zip(&solution.x) {
-                *c += convex.sigma(&task) * x;
+                *c += convex.sigma() * x;
             }
             let (_, trial) = roll_out(&spline);
             let limit = problem.thermal_limit.expect("limited");
@@ -376,7 +394,7 @@ mod tests {
             }
             for k in 0..39 {
                 let angle = trial.reference_angle[k + 1];
-                let sigma = convex.sigma(&task);
+                let sigma = convex.sigma();
                 prop_assert!((s[k] * sigma - (problem.angle_upper - angle)).abs() < 1e-9);
                 prop_assert!((s[39 + k] * sigma - (angle - problem.angle_lower)).abs() < 1e-9);
             }
@@ -413,7 +431,7 @@ mod tests {
         transcription.roll_out(&[0.0; 40], &mut rollout);
         convex.pose(&task, &[0.0; 40], &rollout, 0.0);
         let m = 20;
-        let scale = convex.sigma(&task).powi(2);
+        let scale = convex.sigma().powi(2);
         let places = convex.p.colptr[m]..convex.p.colptr[m + 1];
         for (place, row) in places.zip(m - 2..=m) {
             let mut expected = hessian[(row, m)];

@@ -18,8 +18,9 @@
 //! Done here instead of by Clarabel's equilibration, so that it follows from task and parameters:
 //!
 //! ```text
-//! c = c̄ + σ·x,  σ² = cost_scale/max(H_ii)    ζ_k = (T_k − T̄_k)/(W·L)    W = Σ_j w_j,  L = T_limit
-//! minimise   ½·xᵀPx + qᵀx + ρ·Σ s_k          P = (H + heat)·σ²/cost_scale,  ρ = excess_weight·W·L
+//! ∇²J = H + heat: the Hessian of the cost without heat, and the curvature above
+//! c = c̄ + σ·x,  σ² = cost_scale/max(∇²J_ii)  ζ_k = (T_k − T̄_k)/(W·L)    W = Σ_j w_j,  L = T_limit
+//! minimise   ½·xᵀPx + qᵀx + ρ·Σ s_k          P = ∇²J·σ²/cost_scale ,  ρ = excess_weight·W·L
 //! subject to (x_{k−1} + x_k)/2 within (bounds − θ̄r_k)/σ                                  k = 1..N−1
 //!            ζ_k − s_k ≤ (L − T̄_k)/(W·L),   s_k ≥ 0                                      k = 1..N
 //!            ‖(y − 1, 2·√(w_j/W)·i_j)‖ ≤ y + 1                                           k = 0..N−1
@@ -79,11 +80,6 @@ impl Conic {
             // The data are scaled by us and updated in place.
             presolve_enable: false,
             equilibrate_enable: false,
-            // Enough for the tolerances, at half the time of Clarabel's defaults.
-            static_regularization_constant: 1e-10,
-            iterative_refinement_reltol: 1e-9,
-            iterative_refinement_abstol: 1e-9,
-            iterative_refinement_max_iter: 1,
             ..DefaultSettings::default()
         };
         let convex = Convex::new(transcription, hessian);
@@ -113,7 +109,7 @@ impl Conic {
         updated.expect("patterns agree by construction");
         self.clarabel.solve();
         let solution = &self.clarabel.solution;
-        let sigma = self.convex.sigma(task);
+        let sigma = self.convex.sigma();
         self.trial.copy_from(&self.spline);
         for (c, x) in self.trial.free().iter_mut().zip(&solution.x) {
             *c += sigma * x;
@@ -164,13 +160,14 @@ impl Solver for Conic {
             let kept = damping == 0.0
                 && promise.misjudged <= tolerance
                 && trial.excess <= promise.excess + EXCESS_TOLERANCE;
-            let nothing_left = bounded && promise.decrease * (1.0 + damping) <= tolerance;
+            let idle = damping == 0.0 && (merit - trial_merit).abs() <= tolerance;
+            let nothing_left = bounded && (idle || promise.decrease * (1.0 + damping) <= tolerance);
+            let settled = ended == Ended::Solved && trial_bounded && (kept || nothing_left);
             let answered = matches!(ended, Ended::Solved | Ended::AlmostSolved);
-            let settled = answered && trial_bounded && (kept || nothing_left);
 
             let gain = (merit - trial_merit) / promise.decrease.max(tolerance);
             let better = trial_merit < merit + tolerance;
-            if (!bounded && trial_bounded) || (bounded == trial_bounded && better) {
+            if (answered && !bounded && trial_bounded) || (bounded == trial_bounded && better) {
                 self.spline.copy_from(&self.trial);
                 moves.copy_from_slice(&self.trial_moves);
                 std::mem::swap(rollout, trial);
