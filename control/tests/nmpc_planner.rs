@@ -103,7 +103,7 @@ fn starts_above_the_thermal_limit_are_planned() {
     for (arm, loads) in [
         (pendulum(), [1.0, 1.002]),
         (pendulum(), [1.0, 1.5]),
-        (tflex(), [1.0, 1.2]),
+        (tflex(), [1.0, 1.5]),
     ] {
         let [_, slack, other] = count(&arm, 3, 60, loads);
         assert_eq!(other, 0, "unsolved");

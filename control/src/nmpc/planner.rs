@@ -28,7 +28,7 @@ const EXCESS_WEIGHT: f64 = 1e3;
 /// Movement whose cost is the least that counts as 1, so that a plan to stay has a scale \[rad\].
 const LEAST_MOVEMENT: f64 = 1e-4;
 /// Excess of an unfinished plan that is taken, relative to that of the fallback.
-const NEARLY_LEAST: f64 = 1.01;
+const NEARLY_LEAST: f64 = 1.1;
 /// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
 /// that is above 1.
 const REST_TOLERANCE: f64 = 1e-6;
