@@ -29,9 +29,10 @@
 //!
 //! # The sequence
 //! The next problem is posed around the last answer until true cost and true thermal load agree with what
-//! the convex problem promised (its prices weigh the loads), or until there is nothing left to gain. An answer whose true merit is worse than that of the
-//! trajectory it started from is dropped, and the step shortened by P·(1 + damping), a trust region in
-//! the metric of the cost; this is needed where the thermal budget is starved.
+//! the convex problem promised (its prices weigh the loads), or until there is nothing left to gain. An
+//! answer whose true merit is worse than that of the trajectory it started from is dropped, and the step
+//! shortened by P·(1 + damping), a trust region in the metric of the cost; this is needed where the thermal
+//! budget is starved.
 
 mod convex;
 
