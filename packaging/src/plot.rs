@@ -13,7 +13,7 @@ const UNTIL: &str = "5";
 const EVERY: &str = "10";
 
 /// The time axis goes on to make room for the legend.
-const LEGEND: f64 = 1.16;
+const LEGEND: f64 = 1.2;
 
 const BLUE: RGBColor = RGBColor(0x1f, 0x6f, 0xb2);
 const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
