@@ -107,6 +107,7 @@ fn declared(status: PlanStatus) -> variables::PlanStatus {
         PlanStatus::ShiftedPlan => variables::PlanStatus::ShiftedPlan,
         PlanStatus::Rest => variables::PlanStatus::Rest,
         PlanStatus::MeasurementHeld => variables::PlanStatus::MeasurementHeld,
+        PlanStatus::AngleSlack => variables::PlanStatus::AngleSlack,
     }
 }
 
@@ -127,6 +128,11 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
             Severity::Warning,
             WARNING,
             format_args!("at {time} s no plan keeps the thermal limit: planning the least excess"),
+        ),
+        PlanStatus::AngleSlack => log.write(
+            Severity::Warning,
+            WARNING,
+            format_args!("at {time} s no plan keeps the reference within its angle bounds: they are widened until it is back"),
         ),
         PlanStatus::IterationLimit => log.write(
             Severity::Info,

@@ -10,10 +10,7 @@ pub const SETPOINTS: &str = "packaging/assets/tflex-setpoints.csv";
 pub fn run(workspace: &Workspace) -> Result<(), String> {
     package::run(workspace)?;
     announce("Simulating 20 s of the T-flex from the packaged FMUs (FMI 3.0)");
-    let host = cargo::build(workspace, &["flexarm-host"], None)?;
-    let host = host
-        .get("flexarm")
-        .ok_or("flexarm-host built no `flexarm`")?;
+    let host = cargo::host(workspace)?;
     workspace.run(workspace.command(host).args([
         "simulate",
         "--controller",

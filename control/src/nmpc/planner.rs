@@ -54,6 +54,8 @@ pub enum PlanStatus {
     Rest = 6,
     /// A measurement was not a number: the last good command is held.
     MeasurementHeld = 7,
+    /// Solved, but start and terminal rest left no way within the angle bounds: they were widened.
+    AngleSlack = 8,
 }
 
 /// A plan.
@@ -252,8 +254,15 @@ impl Planner {
             return None;
         }
         let over = trajectory.excess > THERMAL_TOLERANCE;
+        let problem = self.transcription.problem();
+        let (lowest, highest) = (problem.angle_lower, problem.angle_upper);
+        let widened = self
+            .angle_bounds
+            .iter()
+            .any(|&[l, u]| l < lowest - ANGLE_TOLERANCE || u > highest + ANGLE_TOLERANCE);
         match status {
             SolverStatus::Solved if over => Some(PlanStatus::ThermalSlack),
+            SolverStatus::Solved if widened => Some(PlanStatus::AngleSlack),
             SolverStatus::Solved if self.plan.goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
             SolverStatus::IterationLimit if self.task().admits(trajectory) => {

@@ -113,11 +113,14 @@ impl Transcription {
     /// Spectral radius of the deviation's step: above 1 RK4 lets the tracking error grow.
     pub fn deviation_growth(&self) -> f64 {
         let step = &self.deviation_step[STAGES];
-        nalgebra::Matrix3::from_fn(|r, c| step[r][c])
-            .complex_eigenvalues()
-            .iter()
-            .map(|eigenvalue| eigenvalue.norm())
-            .fold(0.0, f64::max)
+        let step = nalgebra::Matrix3::from_fn(|r, c| step[r][c]);
+        match nalgebra::Schur::try_new(step, f64::EPSILON, 1000) {
+            Some(schur) => schur
+                .complex_eigenvalues()
+                .iter()
+                .fold(0.0, |most, eigenvalue| most.max(eigenvalue.norm())),
+            None => f64::INFINITY,
+        }
     }
 
     /// Follows `moves` u \[N\] through the true model (eqs 22, 24, 28).
