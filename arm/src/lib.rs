@@ -15,11 +15,14 @@
 //! "eq n", "sec n" and "fig n" point into the paper on model predictive control of the T-flex.
 
 mod admissible;
+mod arithmetic;
 pub mod hysteresis;
 mod parameters;
 pub mod plant;
+mod position_torque;
 mod sets;
 pub mod thermal;
 
 pub use admissible::{Inadmissible, require};
+pub use arithmetic::{Arithmetic, Fused, Instructions, Kernel, Separate};
 pub use parameters::{HARMONICS, Limits, Motor, Parameters};

@@ -1,4 +1,4 @@
-//! φ, motor and limits of an arm, and the torque that depends on the angle.
+//! φ, motor and limits of an arm.
 
 use crate::admissible::{Inadmissible, require};
 
@@ -49,37 +49,6 @@ pub struct Limits {
 }
 
 impl Parameters {
-    /// g(θ): torque that holds the arm at `angle`, hysteresis excluded \[N·m\] (eq 12).
-    pub fn position_torque(&self, angle: f64) -> f64 {
-        let (sin, cos) = (self.cogging_frequency * angle).sin_cos();
-        let mut torque = self.stiffness * angle + self.offset;
-        let (mut sin_i, mut cos_i) = (sin, cos);
-        for (a, b) in self.cogging_cos.iter().zip(&self.cogging_sin) {
-            torque += a * cos_i + b * sin_i;
-            (sin_i, cos_i) = (sin_i * cos + cos_i * sin, cos_i * cos - sin_i * sin);
-        }
-        torque
-    }
-
-    /// g, dg/dθ and d²g/dθ² at `angle` \[N·m, N·m/rad, N·m/rad²\].
-    ///
-    /// One sine and cosine; the angle-addition theorems give those of the higher harmonics.
-    pub fn position_torque_derivatives(&self, angle: f64) -> [f64; 3] {
-        let w = self.cogging_frequency;
-        let (sin, cos) = (w * angle).sin_cos();
-        let mut derivatives = [self.stiffness * angle + self.offset, self.stiffness, 0.0];
-        let (mut sin_i, mut cos_i, mut frequency) = (sin, cos, w);
-        for (a, b) in self.cogging_cos.iter().zip(&self.cogging_sin) {
-            let wave = a * cos_i + b * sin_i;
-            derivatives[0] += wave;
-            derivatives[1] += frequency * (b * cos_i - a * sin_i);
-            derivatives[2] -= frequency * frequency * wave;
-            (sin_i, cos_i) = (sin_i * cos + cos_i * sin, cos_i * cos - sin_i * sin);
-            frequency += w;
-        }
-        derivatives
-    }
-
     /// Notes every value that is not admissible in `errors`.
     pub fn validate(&self, errors: &mut Vec<Inadmissible>) {
         const TORQUE: [f64; 2] = [-1e6, 1e6];
@@ -190,52 +159,6 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    /// φ of a plausible size with all harmonics present.
-    fn any_parameters() -> impl Strategy<Value = Parameters> {
-        let amplitudes = || prop::array::uniform9(-0.3..0.3);
-        (0.0..20.0, -5.0..5.0, -5.0..5.0, amplitudes(), amplitudes()).prop_map(
-            |(cogging_frequency, stiffness, offset, cogging_cos, cogging_sin)| Parameters {
-                stiffness,
-                offset,
-                cogging_frequency,
-                cogging_cos,
-                cogging_sin,
-                ..Parameters::tflex()
-            },
-        )
-    }
-
-    proptest! {
-        #[test]
-        fn recursion_agrees_with_the_direct_sum(p in any_parameters(), angle in -3.0..3.0_f64) {
-            let direct: f64 = (1..=HARMONICS).map(|i| {
-                let (sin, cos) = (i as f64 * p.cogging_frequency * angle).sin_cos();
-                p.cogging_cos[i - 1] * cos + p.cogging_sin[i - 1] * sin
-            }).sum::<f64>() + p.stiffness * angle + p.offset;
-            prop_assert!((p.position_torque(angle) - direct).abs() < 1e-12);
-        }
-
-        #[test]
-        fn both_forms_of_the_torque_are_equal(p in any_parameters(), angle in -3.0..3.0_f64) {
-            prop_assert_eq!(p.position_torque(angle), p.position_torque_derivatives(angle)[0]);
-        }
-
-        #[test]
-        fn derivatives_agree_with_differences(p in any_parameters(), angle in -3.0..3.0_f64) {
-            let h = 1e-5;
-            let [_, slope, curvature] = p.position_torque_derivatives(angle);
-            let [above, slope_above, _] = p.position_torque_derivatives(angle + h);
-            let [below, slope_below, _] = p.position_torque_derivatives(angle - h);
-            // Third and fourth derivatives reach Σ|a_i|·(i·w)^n, hence the relative scale.
-            let scale = p.cogging_frequency.powi(3).max(1.0);
-            prop_assert!(((above - below) / (2.0 * h) - slope).abs() < 1e-6 * scale);
-            let difference = (slope_above - slope_below) / (2.0 * h);
-            prop_assert!((difference - curvature).abs() < 1e-6 * scale * 10.0);
-        }
-    }
-
     #[test]
     fn every_value_that_is_not_admissible_is_reported_at_once() {
         let mut p = Parameters {

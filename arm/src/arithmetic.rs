@@ -1,0 +1,130 @@
+//! How floating point arithmetic is done: one source, compiled once for every processor of the platform
+//! and once for its fused multiply-add and wide vectors.
+//!
+//! A [`Kernel`] is written for any [`Arithmetic`]; [`Instructions::run`] picks at run time. Results of the
+//! two differ in the last bits, because a fused multiply-add rounds once where two instructions round twice.
+
+/// Multiply-add with one or with two roundings.
+pub trait Arithmetic: Copy {
+    /// a·b + c.
+    fn mul_add(a: f64, b: f64, c: f64) -> f64;
+}
+
+/// Two roundings: the same bits on every machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Separate;
+
+/// One rounding; a slow library call where the processor has no instruction for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Fused;
+
+impl Arithmetic for Separate {
+    #[inline(always)]
+    fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+        a * b + c
+    }
+}
+
+impl Arithmetic for Fused {
+    #[inline(always)]
+    fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+}
+
+/// Work that is worth compiling for several processors.
+pub trait Kernel {
+    /// What comes out.
+    type Output;
+
+    /// Does the work. Implementations and all they call are `#[inline(always)]`: only what is inlined is
+    /// compiled for the wider instructions.
+    fn run<A: Arithmetic>(self) -> Self::Output;
+}
+
+/// Instructions that kernels are run with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    /// Those of every processor of the platform, without fused multiply-add: bit-reproducible.
+    Baseline,
+    /// Fused multiply-add: AVX2 and FMA on x86-64, part of the baseline on aarch64.
+    Fused,
+}
+
+impl Instructions {
+    /// The best that this machine has.
+    pub fn best() -> Self {
+        if has_fused() {
+            Self::Fused
+        } else {
+            Self::Baseline
+        }
+    }
+
+    /// Runs a kernel; where the machine lacks [`Self::Fused`], with [`Self::Baseline`].
+    #[inline]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            Self::Fused if has_fused() => run_fused(kernel),
+            _ => kernel.run::<Separate>(),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn has_fused() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn run_fused<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma")]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Fused>()
+    }
+    // SAFETY: only called where `has_fused` said that the processor has AVX2 and FMA.
+    unsafe { run(kernel) }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+#[inline]
+fn has_fused() -> bool {
+    cfg!(target_arch = "aarch64")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+#[inline]
+fn run_fused<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Fused>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// a·b + c where the product does not fit a double.
+    struct Product;
+
+    impl Kernel for Product {
+        type Output = f64;
+
+        #[inline(always)]
+        fn run<A: Arithmetic>(self) -> f64 {
+            let a = 1.0 + f64::EPSILON;
+            A::mul_add(a, a, -(1.0 + 2.0 * f64::EPSILON))
+        }
+    }
+
+    #[test]
+    fn one_rounding_keeps_what_two_lose() {
+        assert_eq!(Instructions::Baseline.run(Product), 0.0);
+        let expected = if Instructions::best() == Instructions::Fused {
+            f64::EPSILON * f64::EPSILON
+        } else {
+            0.0
+        };
+        assert_eq!(Instructions::Fused.run(Product), expected);
+    }
+}
