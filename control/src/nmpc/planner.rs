@@ -9,7 +9,7 @@
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
-use arm::{Inadmissible, Limits, Motor, Parameters};
+use arm::{Inadmissible, Instructions, Limits, Motor, Parameters};
 use serde::{Deserialize, Serialize};
 
 use super::conic::Conic;
@@ -18,7 +18,7 @@ use super::rest::RestPoints;
 use super::rollout::Rollout;
 use super::settings::Settings;
 use super::solver::{ANGLE_TOLERANCE, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
-use super::spline::{self, Spline};
+use super::spline;
 use super::transcription::Transcription;
 use super::unconstrained::Unconstrained;
 
@@ -26,7 +26,7 @@ use super::unconstrained::Unconstrained;
 /// feasible instances stay below 55.
 const EXCESS_WEIGHT: f64 = 1e3;
 /// Movement whose cost is the least that counts as 1, so that a plan to stay has a scale \[rad\].
-const LEAST_MOVEMENT: f64 = 1e-4;
+const LEAST_MOVEMENT: f64 = 1e-3;
 /// Excess of an unfinished plan that is taken, relative to that of the fallback.
 const NEARLY_LEAST: f64 = 1.1;
 /// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
@@ -111,7 +111,6 @@ pub struct Planner {
     angle_bounds: Vec<[f64; 2]>,
     state: PlannerState,
     plan: Plan,
-    spline: Spline,
     shifted: Rollout,
     guess: Vec<f64>,
     guess_trajectory: Rollout,
@@ -130,10 +129,10 @@ impl Planner {
         feedback: &FeedbackModel,
     ) -> Result<Self, Vec<Inadmissible>> {
         let problem = settings.problem(arm, motor, limits, feedback)?;
-        let (horizon, period) = (problem.horizon, problem.period);
-        let transcription = Transcription::new(problem);
+        let horizon = problem.horizon;
+        let transcription = Transcription::new(problem, Instructions::best());
         let hessian = spline::hessian(&transcription);
-        let unconstrained = Unconstrained::new(&transcription, &hessian).ok_or_else(|| {
+        let unconstrained = Unconstrained::new(&transcription).ok_or_else(|| {
             vec![Inadmissible {
                 name: "nmpc.weight_acceleration",
                 value: problem.weights.acceleration,
@@ -144,10 +143,7 @@ impl Planner {
                 unit: "s4",
             }]
         })?;
-        let least_scale = match hessian.diagonal().iter().copied().reduce(f64::max) {
-            Some(curvature) => curvature * LEAST_MOVEMENT * LEAST_MOVEMENT,
-            None => f64::MIN_POSITIVE,
-        };
+        let least_scale = unconstrained.cost_of_movement(LEAST_MOVEMENT);
         let solver = (horizon > 2)
             .then(|| Box::new(Conic::new(&transcription, hessian)) as Box<dyn Solver + Send>);
         Ok(Self {
@@ -169,7 +165,6 @@ impl Planner {
                 moves: vec![0.0; horizon],
                 trajectory: Rollout::new(horizon),
             },
-            spline: Spline::new(horizon, period),
             shifted: Rollout::new(horizon),
             guess: vec![0.0; horizon],
             guess_trajectory: Rollout::new(horizon),
@@ -331,9 +326,8 @@ impl Planner {
         }
         let transcription = &self.transcription;
         transcription.roll_out(&self.state.moves, &mut self.shifted);
-        self.spline.fit(&self.shifted);
-        self.spline.fix_ends(transcription);
-        self.spline.moves(&mut self.guess);
+        self.guess.copy_from_slice(&self.state.moves);
+        transcription.end_at_rest(&mut self.guess);
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
         let task = self.task();
         if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {

@@ -50,8 +50,10 @@ pub struct FeedbackModel {
 pub struct Problem {
     /// N, number of shooting intervals; at least 2.
     pub horizon: usize,
-    /// h, length of a shooting interval \[s\].
+    /// h_0, length of the first shooting interval \[s\].
     pub period: f64,
+    /// Length of a shooting interval in units of that of the one before; at least 1.
+    pub growth: f64,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// Lower bound of the reference angle, margin included (eq 25) \[rad\].
@@ -66,6 +68,13 @@ pub struct Problem {
     pub motor: Motor,
     /// Feedback inside the model (eqs 22, 38).
     pub feedback: FeedbackModel,
+}
+
+impl Problem {
+    /// h_k, length of shooting interval `k` \[s\].
+    pub fn interval_length(&self, k: usize) -> f64 {
+        self.period * self.growth.powf(k as f64)
+    }
 }
 
 /// State at the start of a plan (eq 23).

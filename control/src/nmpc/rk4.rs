@@ -12,8 +12,33 @@ pub const CURVED: [f64; STAGES] = [0.0, 0.0, 0.25, 0.5];
 /// Weights of the stages in a step (eq 24).
 pub const QUADRATURE: [f64; STAGES] = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
 
+/// One number for every stage.
+pub type Lanes = [f64; STAGES];
+
 /// A 3 × 3 matrix by rows.
 pub type Matrix3 = [[f64; 3]; 3];
+
+/// A shooting interval: what RK4 makes of its length.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    /// h \[s\].
+    pub length: f64,
+    /// Step of the thermal load.
+    pub thermal: ThermalStep,
+    /// Stage values M_1..M_4 and step M_5 of the deviation.
+    pub deviation: [Matrix3; STAGES + 1],
+}
+
+impl Interval {
+    /// An interval of `length` \[s\].
+    pub fn new(problem: &Problem, length: f64) -> Self {
+        Self {
+            length,
+            thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
+            deviation: deviation_step(problem, length),
+        }
+    }
+}
 
 /// RK4 step of the thermal load (eqs 20, 24); row 5 is the step itself.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +46,7 @@ pub struct ThermalStep {
     /// α_j, and last a \[5\].
     pub load: [f64; STAGES + 1],
     /// γ_ji, and last w_i \[5 × 4\].
-    pub heat: [[f64; STAGES]; STAGES + 1],
+    pub heat: [Lanes; STAGES + 1],
 }
 
 impl ThermalStep {
@@ -54,14 +79,14 @@ impl ThermalStep {
     }
 
     /// w_i: weight of (τ_i/Ki)² in the load after a step.
-    pub fn weights(&self) -> &[f64; STAGES] {
+    pub fn weights(&self) -> &Lanes {
         &self.heat[STAGES]
     }
 }
 
 /// Stage values M_1..M_4 and step M_5 of dz/dt = F·z by RK4 (eq 24).
-pub fn deviation_step(problem: &Problem) -> [Matrix3; STAGES + 1] {
-    let (h, feedback) = (problem.period, &problem.feedback);
+fn deviation_step(problem: &Problem, h: f64) -> [Matrix3; STAGES + 1] {
+    let feedback = &problem.feedback;
     let gains = [
         feedback.gain_angle,
         feedback.gain_velocity,

@@ -1,24 +1,26 @@
 //! Trajectories in the true model, and the first derivatives of their cost.
 
-use super::rk4::STAGES;
+use super::rk4::{Lanes, STAGES};
 
-/// An RK4 stage in a rollout.
+/// The RK4 stages of an interval in a rollout.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Stage {
+pub struct Stages {
     /// θ − θ_goal \[rad\].
-    pub distance: f64,
+    pub distance: Lanes,
     /// ω \[rad/s\].
-    pub velocity: f64,
+    pub velocity: Lanes,
     /// ωr \[rad/s\].
-    pub reference_velocity: f64,
+    pub reference_velocity: Lanes,
     /// e \[rad·s\].
-    pub integral: f64,
+    pub integral: Lanes,
     /// τ (eq 21) \[N·m\].
-    pub torque: f64,
+    pub torque: Lanes,
     /// dg/dθ \[N·m/rad\].
-    pub slope: f64,
+    pub slope: Lanes,
+    /// d²g/dθ² \[N·m/rad²\].
+    pub curvature: Lanes,
     /// T \[A²\].
-    pub thermal_load: f64,
+    pub thermal_load: Lanes,
 }
 
 /// A trajectory in the true model: N intervals, N + 1 nodes.
@@ -33,7 +35,7 @@ pub struct Rollout {
     /// T at the nodes \[N + 1\] \[A²\].
     pub thermal_load: Vec<f64>,
     /// RK4 stages of the intervals \[N\].
-    pub stages: Vec<[Stage; STAGES]>,
+    pub stages: Vec<Stages>,
     /// Cost (eqs 24, 28) \[rad²·s\].
     pub cost: f64,
     /// Largest excess of T over its limit at the nodes after the first \[A²\].
@@ -51,7 +53,7 @@ impl Rollout {
             reference_angle: nodes(),
             reference_velocity: nodes(),
             thermal_load: nodes(),
-            stages: vec![[Stage::default(); STAGES]; horizon],
+            stages: vec![Stages::default(); horizon],
             cost: 0.0,
             excess: 0.0,
             total_excess: 0.0,
@@ -76,7 +78,7 @@ pub struct Sensitivity {
     /// ∂cost/∂(θr, ωr, u) of every interval \[N × 3\].
     pub gradient: Vec<[f64; 3]>,
     /// λ_j = ∂cost/∂(τ_j/Ki)² of every interval and stage \[N × 4\].
-    pub heat_price: Vec<[f64; STAGES]>,
+    pub heat_price: Vec<Lanes>,
 }
 
 impl Sensitivity {

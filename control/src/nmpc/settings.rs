@@ -1,6 +1,6 @@
 //! Settings of the planner: the group `nmpc.*` of the contract, checked at set-up, all at once.
 
-use arm::{Inadmissible, Limits, Motor, Parameters, require};
+use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, require};
 
 use super::problem::{FeedbackModel, Problem, Weights};
 use super::transcription::Transcription;
@@ -72,6 +72,7 @@ impl Settings {
         let problem = Problem {
             horizon: usize::try_from(self.horizon).unwrap_or_default(),
             period: self.period,
+            growth: 1.0,
             weights: self.weights,
             angle_lower: limits.angle_lower + self.angle_margin,
             angle_upper: limits.angle_upper - self.angle_margin,
@@ -162,6 +163,6 @@ impl Settings {
 
 /// Whether the tracking error stays bounded over the horizon when predicted with this period.
 fn predictable(problem: &Problem, period: f64) -> bool {
-    let growth = Transcription::new(Problem { period, ..*problem }).deviation_growth();
-    growth.powf(problem.horizon as f64) <= MAX_DEVIATION_GROWTH
+    let problem = Problem { period, ..*problem };
+    Transcription::new(problem, Instructions::Baseline).deviation_growth() <= MAX_DEVIATION_GROWTH
 }

@@ -21,38 +21,44 @@
 //! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
 //! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
 
+use arm::{Arithmetic, Instructions, Kernel};
+
 use super::problem::{Initial, Problem};
-use super::rk4::{CURVED, ELAPSED, Matrix3, QUADRATURE, STAGES, ThermalStep, deviation_step};
-use super::rollout::{Rollout, Sensitivity, Stage};
+use super::rk4::{CURVED, ELAPSED, Interval, Lanes, Matrix3, QUADRATURE, STAGES};
+use super::rollout::{Rollout, Sensitivity, Stages};
 
 /// The problem in numbers, for one start and goal at a time.
 #[derive(Clone, Debug)]
 pub struct Transcription {
     problem: Problem,
-    thermal: ThermalStep,
-    deviation_step: [Matrix3; STAGES + 1],
+    instructions: Instructions,
+    /// Number of the highest cogging harmonic.
+    harmonics: usize,
+    /// One for every shooting interval, or a single one if all are equally long.
+    intervals: Vec<Interval>,
     initial: Initial,
     goal: f64,
-    /// (θ−θr, ω−ωr) at the stages \[N × 4\].
-    deviation: Vec<[[f64; 2]; STAGES]>,
-    /// θ−θr at the nodes \[N + 1\].
-    node_deviation: Vec<f64>,
-    /// ω−ωr at the last node.
-    end_velocity_deviation: f64,
+    /// θ−θr and ω−ωr at the stages \[N × 2 × 4\].
+    deviation: Vec<[Lanes; 2]>,
+    /// z = (θ−θr, ω−ωr, e_L) at the nodes \[N + 1\].
+    node_deviation: Vec<[f64; 3]>,
 }
 
 impl Transcription {
     /// Transcribes `problem`; start and goal are zero until [`Self::set`].
-    pub fn new(problem: Problem) -> Self {
+    pub fn new(problem: Problem, instructions: Instructions) -> Self {
         let horizon = problem.horizon;
+        let kinds = if problem.growth == 1.0 { 1 } else { horizon };
         Self {
-            thermal: ThermalStep::new(problem.period / problem.motor.thermal_time_constant),
-            deviation_step: deviation_step(&problem),
+            instructions,
+            harmonics: problem.arm.harmonics(),
+            intervals: (0..kinds)
+                .map(|k| Interval::new(&problem, problem.interval_length(k)))
+                .collect(),
             initial: Initial::default(),
             goal: 0.0,
-            deviation: vec![[[0.0; 2]; STAGES]; horizon],
-            node_deviation: vec![0.0; horizon + 1],
-            end_velocity_deviation: 0.0,
+            deviation: vec![[[0.0; STAGES]; 2]; horizon],
+            node_deviation: vec![[0.0; 3]; horizon + 1],
             problem,
         }
     }
@@ -62,9 +68,21 @@ impl Transcription {
         &self.problem
     }
 
-    /// The thermal load's step.
-    pub fn thermal(&self) -> &ThermalStep {
-        &self.thermal
+    /// How kernels are run.
+    pub fn instructions(&self) -> Instructions {
+        self.instructions
+    }
+
+    /// Interval `k`.
+    #[inline(always)]
+    pub fn interval(&self, k: usize) -> &Interval {
+        &self.intervals[k.min(self.intervals.len() - 1)]
+    }
+
+    /// h_k, length of interval `k`, the first and the last one repeated beyond the ends \[s\].
+    pub fn length(&self, k: isize) -> f64 {
+        let last = self.problem.horizon as isize - 1;
+        self.interval(k.clamp(0, last) as usize).length
     }
 
     /// The goal \[rad\].
@@ -86,52 +104,70 @@ impl Transcription {
             initial.velocity - initial.reference_velocity,
             initial.feedback_integral,
         ];
-        let apply = |matrix: &Matrix3, z: [f64; 3]| -> [f64; 3] {
-            matrix.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
-        };
-        self.node_deviation[0] = z[0];
-        for (stages, node) in self.deviation.iter_mut().zip(&mut self.node_deviation[1..]) {
-            for (stage, matrix) in stages.iter_mut().zip(&self.deviation_step) {
-                let [angle, velocity, _] = apply(matrix, z);
-                *stage = [angle, velocity];
-            }
-            z = apply(&self.deviation_step[STAGES], z);
-            *node = z[0];
+        let row = |row: &[f64; 3], z: [f64; 3]| row[0] * z[0] + row[1] * z[1] + row[2] * z[2];
+        self.node_deviation[0] = z;
+        for k in 0..self.problem.horizon {
+            let steps = &self.intervals[k.min(self.intervals.len() - 1)].deviation;
+            self.deviation[k] = [0, 1].map(|i| std::array::from_fn(|j| row(&steps[j][i], z)));
+            z = steps[STAGES].each_ref().map(|of| row(of, z));
+            self.node_deviation[k + 1] = z;
         }
-        self.end_velocity_deviation = z[1];
+    }
+
+    /// z = (θ−θr, ω−ωr, e_L) at the nodes \[N + 1\].
+    pub fn node_deviation(&self) -> &[[f64; 3]] {
+        &self.node_deviation
     }
 
     /// (θr, ωr) at the end that put the arm to rest at the goal (eq 27) \[rad, rad/s\].
     pub fn terminal_reference(&self) -> [f64; 2] {
-        let horizon = self.problem.horizon;
-        [
-            self.goal - self.node_deviation[horizon],
-            -self.end_velocity_deviation,
-        ]
+        let [angle, velocity, _] = self.node_deviation[self.problem.horizon];
+        [self.goal - angle, -velocity]
     }
 
-    /// Spectral radius of the deviation's step: above 1 RK4 lets the tracking error grow.
-    pub fn deviation_growth(&self) -> f64 {
-        let step = &self.deviation_step[STAGES];
-        let step = nalgebra::Matrix3::from_fn(|r, c| step[r][c]);
-        match nalgebra::Schur::try_new(step, f64::EPSILON, 1000) {
-            Some(schur) => schur
-                .complex_eigenvalues()
-                .iter()
-                .fold(0.0, |most, eigenvalue| most.max(eigenvalue.norm())),
-            None => f64::INFINITY,
+    /// Replaces the last two moves by those that lead to [`Self::terminal_reference`], N ≥ 2. O(N).
+    pub fn end_at_rest(&self, moves: &mut [f64]) {
+        let last = moves.len() - 1;
+        let (mut angle, mut velocity) = (
+            self.initial.reference_angle,
+            self.initial.reference_velocity,
+        );
+        for (k, u) in moves[..last - 1].iter().enumerate() {
+            let h = self.interval(k).length;
+            angle += h * velocity + 0.5 * h * h * u;
+            velocity += h * u;
         }
+        let [end_angle, end_velocity] = self.terminal_reference();
+        let (h, next) = (self.interval(last - 1).length, self.interval(last).length);
+        // Both relative to coasting into the end.
+        velocity -= end_velocity;
+        angle += (h + next) * end_velocity - end_angle;
+        moves[last - 1] = -(angle + (h + 0.5 * next) * velocity) / (0.5 * h * (h + next));
+        moves[last] = -(velocity + h * moves[last - 1]) / next;
+    }
+
+    /// Product of the spectral radii of the deviation's steps: above 1 RK4 lets the tracking error grow.
+    pub fn deviation_growth(&self) -> f64 {
+        let growth = |k: usize| spectral_radius(&self.interval(k).deviation[STAGES]);
+        if let [_] = self.intervals[..] {
+            return growth(0).powf(self.problem.horizon as f64);
+        }
+        (0..self.problem.horizon).map(growth).product()
     }
 
     /// Follows `moves` u \[N\] through the true model (eqs 22, 24, 28).
     pub fn roll_out(&self, moves: &[f64], rollout: &mut Rollout) {
-        self.follow(moves, rollout);
-        self.heat(moves, rollout);
+        self.instructions.run(RollOut {
+            transcription: self,
+            moves,
+            rollout,
+        });
     }
 
     /// All but the thermal load: nodes, stages and the cost without q_T.
-    pub fn follow(&self, moves: &[f64], rollout: &mut Rollout) {
-        let (h, weights) = (self.problem.period, &self.problem.weights);
+    #[inline(always)]
+    fn follow<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
+        let weights = &self.problem.weights;
         let (mut angle, mut velocity) = (
             self.initial.reference_angle,
             self.initial.reference_velocity,
@@ -140,62 +176,77 @@ impl Transcription {
         rollout.reference_angle[0] = angle;
         rollout.reference_velocity[0] = velocity;
         rollout.angle[0] = self.initial.angle;
-        rollout.cost = 0.0;
+        let mut cost = [0.0; STAGES];
         for (k, &u) in moves.iter().enumerate() {
-            let stages = &mut rollout.stages[k];
+            let h = self.interval(k).length;
+            let [angle_deviation, velocity_deviation] = &self.deviation[k];
+            let stage = &mut rollout.stages[k];
             let mut increment = 0.0;
             for j in 0..STAGES {
-                let [angle_deviation, velocity_deviation] = self.deviation[k][j];
                 let time = ELAPSED[j] * h;
-                let seen = if j == 0 { 0.0 } else { stages[j - 1].distance };
-                let reference_velocity = velocity + time * u;
-                let stage = &mut stages[j];
-                stage.distance =
-                    angle + time * velocity + CURVED[j] * h * h * u + angle_deviation - self.goal;
-                stage.reference_velocity = reference_velocity;
-                stage.velocity = reference_velocity + velocity_deviation;
-                stage.integral = integral + time * seen;
-                increment += QUADRATURE[j] * h * stage.distance;
-                rollout.cost += QUADRATURE[j]
-                    * h
-                    * (weights.angle * stage.distance * stage.distance
-                        + weights.velocity * stage.velocity * stage.velocity
-                        + weights.integral * stage.integral * stage.integral
-                        + weights.acceleration * u * u);
+                let reference = A::mul_add(CURVED[j] * h * h, u, A::mul_add(time, velocity, angle));
+                stage.distance[j] = reference + angle_deviation[j] - self.goal;
+                stage.reference_velocity[j] = A::mul_add(time, u, velocity);
+                stage.velocity[j] = stage.reference_velocity[j] + velocity_deviation[j];
+            }
+            for j in 0..STAGES {
+                let seen = if j == 0 { 0.0 } else { stage.distance[j - 1] };
+                stage.integral[j] = A::mul_add(ELAPSED[j] * h, seen, integral);
+                increment = A::mul_add(QUADRATURE[j] * h, stage.distance[j], increment);
+            }
+            for j in 0..STAGES {
+                let (d, v, e) = (stage.distance[j], stage.velocity[j], stage.integral[j]);
+                let loss = A::mul_add(weights.angle * d, d, weights.velocity * v * v);
+                let loss = A::mul_add(weights.integral * e, e, loss);
+                let loss = A::mul_add(weights.acceleration * u, u, loss);
+                cost[j] = A::mul_add(QUADRATURE[j] * h, loss, cost[j]);
             }
             integral += increment;
-            angle += h * velocity + 0.5 * h * h * u;
-            velocity += h * u;
+            angle += A::mul_add(0.5 * h * h, u, h * velocity);
+            velocity = A::mul_add(h, u, velocity);
             rollout.reference_angle[k + 1] = angle;
             rollout.reference_velocity[k + 1] = velocity;
-            rollout.angle[k + 1] = angle + self.node_deviation[k + 1];
+            rollout.angle[k + 1] = angle + self.node_deviation[k + 1][0];
         }
+        rollout.cost = cost.iter().sum();
     }
 
     /// The thermal load along a rollout whose other states are known, and its cost (eqs 20, 21).
-    fn heat(&self, moves: &[f64], rollout: &mut Rollout) {
+    #[inline(always)]
+    fn heat<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
         let Problem { arm, motor, .. } = &self.problem;
-        let price = self.problem.weights.thermal * self.problem.period;
+        for (stage, &u) in rollout.stages.iter_mut().zip(moves) {
+            let angle = stage.distance.map(|distance| distance + self.goal);
+            let [torque, slope, curvature] =
+                arm.position_torque_lanes::<A, STAGES>(self.harmonics, angle);
+            for j in 0..STAGES {
+                let moving = A::mul_add(arm.damping, stage.reference_velocity[j], arm.inertia * u);
+                stage.torque[j] = torque[j] + moving;
+            }
+            (stage.slope, stage.curvature) = (slope, curvature);
+        }
+        let per_torque = 1.0 / (motor.torque_constant * motor.torque_constant);
+        let price = self.problem.weights.thermal;
         let limit = self.problem.thermal_limit.unwrap_or(f64::INFINITY);
         let mut load = self.initial.thermal_load;
         rollout.thermal_load[0] = load;
         (rollout.excess, rollout.total_excess) = (0.0, 0.0);
-        for (k, &u) in moves.iter().enumerate() {
-            let mut squares = [0.0; STAGES];
-            for (stage, square) in rollout.stages[k].iter_mut().zip(&mut squares) {
-                let [torque, slope, _] =
-                    arm.position_torque_derivatives(stage.distance + self.goal);
-                stage.torque = torque + arm.damping * stage.reference_velocity + arm.inertia * u;
-                stage.slope = slope;
-                *square = (stage.torque / motor.torque_constant).powi(2);
-            }
+        for (k, stage) in rollout.stages.iter_mut().enumerate() {
+            let Interval {
+                thermal, length, ..
+            } = self.interval(k);
+            let squares = stage.torque.map(|torque| torque * torque * per_torque);
             let step = |j: usize| {
-                let heat = self.thermal.heat[j].iter().zip(&squares);
-                self.thermal.load[j] * load + heat.map(|(w, q)| w * q).sum::<f64>()
+                let heat = thermal.heat[j];
+                let late = A::mul_add(heat[2], squares[2], heat[3] * squares[3]);
+                let early = A::mul_add(heat[0], squares[0], heat[1] * squares[1]);
+                A::mul_add(thermal.load[j], load, early + late)
             };
-            for (j, stage) in rollout.stages[k].iter_mut().enumerate() {
-                stage.thermal_load = step(j);
-                rollout.cost += price * QUADRATURE[j] * stage.thermal_load * stage.thermal_load;
+            stage.thermal_load = std::array::from_fn(step);
+            if price != 0.0 {
+                for (weight, load) in QUADRATURE.iter().zip(&stage.thermal_load) {
+                    rollout.cost = A::mul_add(price * length * weight, load * load, rollout.cost);
+                }
             }
             load = step(STAGES);
             rollout.thermal_load[k + 1] = load;
@@ -214,39 +265,38 @@ impl Transcription {
         rollout: &Rollout,
         out: &mut Sensitivity,
     ) {
-        let (h, weights) = (self.problem.period, &self.problem.weights);
+        let weights = &self.problem.weights;
+        let constant = self.problem.motor.torque_constant;
         let (mut integral_price, mut load_price) = (0.0, 0.0);
         for k in (0..self.problem.horizon).rev() {
-            let stages = &rollout.stages[k];
+            let Interval {
+                thermal, length, ..
+            } = self.interval(k);
+            let (h, stage) = (*length, &rollout.stages[k]);
             let quadrature = QUADRATURE.map(|weight| 2.0 * weight * h);
 
             // Thermal load: price of T_j in the cost, then of q_i and of T at the start.
-            let direct: [f64; STAGES] =
-                std::array::from_fn(|j| quadrature[j] * weight_thermal * stages[j].thermal_load);
+            let direct: Lanes =
+                std::array::from_fn(|j| quadrature[j] * weight_thermal * stage.thermal_load[j]);
             let prices = [direct[0], direct[1], direct[2], direct[3], load_price];
-            let heat_price = std::array::from_fn(|i| {
-                (0..=STAGES)
-                    .map(|j| prices[j] * self.thermal.heat[j][i])
-                    .sum()
-            });
-            load_price = (0..=STAGES).map(|j| prices[j] * self.thermal.load[j]).sum();
+            let heat_price: Lanes =
+                std::array::from_fn(|i| (0..=STAGES).map(|j| prices[j] * thermal.heat[j][i]).sum());
+            load_price = (0..=STAGES).map(|j| prices[j] * thermal.load[j]).sum();
 
             // Integral: e_j sees the distance of the stage before, e⁺ all of them.
-            let integral: [f64; STAGES] =
-                std::array::from_fn(|j| quadrature[j] * weights.integral * stages[j].integral);
+            let integral: Lanes =
+                std::array::from_fn(|j| quadrature[j] * weights.integral * stage.integral[j]);
             let mut gradient = [0.0; 3];
             for j in 0..STAGES {
-                let stage = &stages[j];
-                let mut distance = quadrature[j] * weights.angle * stage.distance
+                let mut distance = quadrature[j] * weights.angle * stage.distance[j]
                     + integral_price * QUADRATURE[j] * h;
                 if j + 1 < STAGES {
                     distance += integral[j + 1] * ELAPSED[j + 1] * h;
                 }
-                let torque = heat_price[j] * 2.0 * stage.torque
-                    / (self.problem.motor.torque_constant * self.problem.motor.torque_constant);
-                let velocity = quadrature[j] * weights.velocity * stage.velocity;
+                let torque = heat_price[j] * 2.0 * stage.torque[j] / (constant * constant);
+                let velocity = quadrature[j] * weights.velocity * stage.velocity[j];
                 let time = ELAPSED[j] * h;
-                let of_torque = self.torque_gradient(stage, j);
+                let of_torque = self.torque_gradient(stage, h, j);
                 gradient[0] += distance + torque * of_torque[0];
                 gradient[1] += distance * time + velocity + torque * of_torque[1];
                 gradient[2] += distance * CURVED[j] * h * h
@@ -260,15 +310,44 @@ impl Transcription {
         }
     }
 
-    /// ∂τ_j/∂(θr, ωr, u) of a stage, g linearised at the stage (eq 21).
-    pub fn torque_gradient(&self, stage: &Stage, j: usize) -> [f64; 3] {
-        let (h, arm) = (self.problem.period, &self.problem.arm);
-        let time = ELAPSED[j] * h;
+    /// ∂τ_j/∂(θr, ωr, u) of a stage of an interval of length `h`, g linearised at the stage (eq 21).
+    #[inline(always)]
+    pub fn torque_gradient(&self, stage: &Stages, h: f64, j: usize) -> [f64; 3] {
+        let (arm, time) = (&self.problem.arm, ELAPSED[j] * h);
+        let slope = stage.slope[j];
         [
-            stage.slope,
-            stage.slope * time + arm.damping,
-            stage.slope * CURVED[j] * h * h + arm.damping * time + arm.inertia,
+            slope,
+            slope * time + arm.damping,
+            slope * CURVED[j] * h * h + arm.damping * time + arm.inertia,
         ]
+    }
+}
+
+/// Largest magnitude of an eigenvalue.
+fn spectral_radius(matrix: &Matrix3) -> f64 {
+    let matrix = nalgebra::Matrix3::from_fn(|r, c| matrix[r][c]);
+    match nalgebra::Schur::try_new(matrix, f64::EPSILON, 1000) {
+        Some(schur) => {
+            let eigenvalues = schur.complex_eigenvalues();
+            eigenvalues.iter().fold(0.0, |most, z| most.max(z.norm()))
+        }
+        None => f64::INFINITY,
+    }
+}
+
+struct RollOut<'a> {
+    transcription: &'a Transcription,
+    moves: &'a [f64],
+    rollout: &'a mut Rollout,
+}
+
+impl Kernel for RollOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        self.transcription.follow::<A>(self.moves, self.rollout);
+        self.transcription.heat::<A>(self.moves, self.rollout);
     }
 }
 
@@ -374,7 +453,7 @@ mod tests {
         goal: f64,
         moves: &[f64],
     ) -> (Transcription, Rollout) {
-        let mut transcription = Transcription::new(problem);
+        let mut transcription = Transcription::new(problem, Instructions::best());
         transcription.set(initial, goal);
         let mut rollout = Rollout::new(problem.horizon);
         transcription.roll_out(moves, &mut rollout);

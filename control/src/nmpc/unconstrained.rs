@@ -1,14 +1,15 @@
-//! The plan without inequalities: the optimum in closed form, the yardstick and first guess of every
-//! solver, and the final answer wherever it keeps the limits.
+//! The plan without inequalities: the optimum as a policy, the yardstick and first guess of every solver,
+//! and the final answer wherever it keeps the limits.
 //!
-//! Without q_T the cost is a quadratic form ½·cᵀHc + … of the free coefficients with a constant H, so
-//! one Newton step is exact. With q_T more steps follow, with the true gradient and the same H, which
-//! q_T·T² hardly bends, until the cost settles.
+//! Without q_T the optimum is u_k = −K_k·(θr−θ_goal, ωr, e, z), with gains that depend on the problem alone
+//! ([`super::linear_quadratic`]). With q_T Newton steps follow, with the true gradient and the same
+//! curvature, which q_T·T² hardly bends, until the cost settles. O(N) a plan.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use arm::{Arithmetic, Kernel};
 
+use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
+use super::rk4::STAGES;
 use super::rollout::{Rollout, Sensitivity};
-use super::spline::{Spline, gather};
 use super::transcription::Transcription;
 
 /// Steps after which a cost that does not settle is left to the solver.
@@ -19,22 +20,67 @@ const SETTLED: f64 = 1e-9;
 /// Minimiser of the cost subject to dynamics and terminal rest alone.
 #[derive(Clone, Debug)]
 pub struct Unconstrained {
-    factor: Cholesky<f64, Dyn>,
-    spline: Spline,
-    step: DVector<f64>,
+    /// Policies of the intervals \[N\].
+    policies: Vec<Policy<STATES>>,
+    /// P at the start.
+    price: [[f64; STATES]; STATES],
+    /// ∂e⁺/∂x and ∂e⁺/∂u of the intervals \[N\].
+    integral: Vec<([f64; STATES], f64)>,
     sensitivity: Sensitivity,
+    /// Change of the moves in a Newton step \[N\].
+    step: Vec<f64>,
 }
 
 impl Unconstrained {
-    /// Factorises the Hessian `hessian` of the free coefficients; none if it is not positive definite.
-    pub fn new(transcription: &Transcription, hessian: &DMatrix<f64>) -> Option<Self> {
+    /// Solves the Riccati recursion; none if the cost has no unique minimum.
+    pub fn new(transcription: &Transcription) -> Option<Self> {
         let problem = transcription.problem();
+        let horizon = problem.horizon;
+        let last = transcription.interval(horizon - 1);
+        let ends = deadbeat(transcription.interval(horizon - 2).length, last.length);
+        // z at the end as a linear form of z at the start of the last interval, then of the one before.
+        let end = last.deviation[STAGES];
+        let before = transcription.interval(horizon - 2).deviation[STAGES];
+        let ends_of = [
+            std::array::from_fn(|r| {
+                std::array::from_fn(|c| (0..3).map(|i| end[r][i] * before[i][c]).sum())
+            }),
+            end,
+        ];
+        let mut price = [[0.0; STATES]; STATES];
+        let idle = Policy {
+            gain: [0.0; STATES],
+            inverse: 0.0,
+        };
+        let (mut policies, mut integral) =
+            (vec![idle; horizon], vec![([0.0; STATES], 0.0); horizon]);
+        for k in (0..horizon).rev() {
+            let form = Form::new(problem, transcription.interval(k));
+            let imposed = (k + 2).checked_sub(horizon).map(|index| {
+                let [angle, velocity] = ends[index];
+                let left = (horizon - 1 - k) as f64;
+                imposed(
+                    angle,
+                    velocity,
+                    left * last.length + transcription.interval(k).length,
+                    &ends_of[index],
+                )
+            });
+            policies[k] = form.policy(&mut price, imposed)?;
+            integral[k] = (form.a[2], form.b[2]);
+        }
         Some(Self {
-            factor: Cholesky::new(hessian.clone())?,
-            spline: Spline::new(problem.horizon, problem.period),
-            step: DVector::zeros(problem.horizon - 2),
-            sensitivity: Sensitivity::new(problem.horizon),
+            policies,
+            price,
+            integral,
+            sensitivity: Sensitivity::new(horizon),
+            step: vec![0.0; horizon],
         })
+    }
+
+    /// Least cost of a movement by `distance` \[rad\] from rest to rest \[rad²·s\].
+    pub fn cost_of_movement(&self, distance: f64) -> f64 {
+        0.5 * self.price[0][0] * distance * distance
     }
 
     /// Writes the optimum's `moves` \[N\] and their `rollout`; whether the cost settled.
@@ -44,33 +90,34 @@ impl Unconstrained {
         moves: &mut [f64],
         rollout: &mut Rollout,
     ) -> bool {
-        let weight_thermal = transcription.problem().weights.thermal;
-        self.spline.free().fill(transcription.goal());
-        self.spline.fix_ends(transcription);
-        self.spline.moves(moves);
+        transcription.instructions().run(Follow {
+            unconstrained: self,
+            transcription,
+            moves,
+        });
         transcription.roll_out(moves, rollout);
-        self.find_step(0.0, transcription, moves, rollout);
-        self.take_step(-1.0, transcription, moves, rollout);
+        let weight_thermal = transcription.problem().weights.thermal;
         if weight_thermal == 0.0 {
             return true;
         }
         for _ in 0..MAX_STEPS {
             let decrease = self.find_step(weight_thermal, transcription, moves, rollout);
             let before = rollout.cost;
-            self.take_step(-1.0, transcription, moves, rollout);
+            self.take_step(1.0, transcription, moves, rollout);
             if decrease <= SETTLED * rollout.cost {
                 return true;
             }
             if rollout.cost.is_nan() || rollout.cost > before {
-                // q_T bends the cost too much for this H.
-                self.take_step(1.0, transcription, moves, rollout);
+                // q_T bends the cost too much for these policies.
+                self.take_step(-1.0, transcription, moves, rollout);
                 return false;
             }
         }
         false
     }
 
-    /// The step H⁻¹g, with g the gradient for the given q_T; the decrease of the cost to expect, ½·gᵀH⁻¹g.
+    /// The Newton step with the gradient for the given q_T and the curvature without it; the decrease of
+    /// the cost to expect.
     fn find_step(
         &mut self,
         weight_thermal: f64,
@@ -78,18 +125,40 @@ impl Unconstrained {
         moves: &[f64],
         rollout: &Rollout,
     ) -> f64 {
-        let period = transcription.problem().period;
         transcription.differentiate(weight_thermal, moves, rollout, &mut self.sensitivity);
-        gather(period, &self.sensitivity, self.step.as_mut_slice());
-        // With H = L·Lᵀ: gᵀH⁻¹g = ‖L⁻¹g‖².
-        let lower = self.factor.l_dirty();
-        lower.solve_lower_triangular_mut(&mut self.step);
-        let decrement = self.step.norm_squared();
-        lower.tr_solve_lower_triangular_mut(&mut self.step);
-        0.5 * decrement
+        // Gradient of the cost to go in (θr, ωr, e), then the moves that answer it.
+        let (mut decrease, mut p) = (0.0, [0.0; 3]);
+        for k in (0..moves.len()).rev() {
+            let h = transcription.interval(k).length;
+            let [angle, velocity, by_move] = self.sensitivity.gradient[k];
+            let (integral, integral_by_move) = &self.integral[k];
+            let Policy { gain, inverse } = self.policies[k];
+            let through = by_move + 0.5 * h * h * p[0] + h * p[1] + integral_by_move * p[2];
+            self.step[k] = -inverse * through;
+            decrease += 0.5 * inverse * through * through;
+            p = [
+                angle + p[0] + integral[0] * p[2] - gain[0] * through,
+                velocity + h * p[0] + p[1] + integral[1] * p[2] - gain[1] * through,
+                p[2] - gain[2] * through,
+            ];
+        }
+        let mut x = [0.0; 3];
+        for k in 0..moves.len() {
+            let h = transcription.interval(k).length;
+            let (integral, integral_by_move) = &self.integral[k];
+            let gain = &self.policies[k].gain;
+            let u = self.step[k] - gain[0] * x[0] - gain[1] * x[1] - gain[2] * x[2];
+            x = [
+                x[0] + h * x[1] + 0.5 * h * h * u,
+                x[1] + h * u,
+                x[2] + integral[0] * x[0] + integral[1] * x[1] + integral_by_move * u,
+            ];
+            self.step[k] = u;
+        }
+        decrease
     }
 
-    /// Adds `factor` times the step to the spline and rolls out.
+    /// Adds `factor` times the step to the moves and rolls out.
     fn take_step(
         &mut self,
         factor: f64,
@@ -97,33 +166,89 @@ impl Unconstrained {
         moves: &mut [f64],
         rollout: &mut Rollout,
     ) {
-        for (c, step) in self.spline.free().iter_mut().zip(self.step.iter()) {
-            *c += factor * step;
+        for (u, step) in moves.iter_mut().zip(&self.step) {
+            *u += factor * step;
         }
-        self.spline.moves(moves);
         transcription.roll_out(moves, rollout);
+    }
+}
+
+/// The deadbeat policy of `angle` and `velocity` for the whole state, `left` \[s\] before the end and with
+/// z at the end = `end`·z: rest of the arm, θr−θ_goal = −z_1 and ωr = −z_2.
+fn imposed(angle: f64, velocity: f64, left: f64, end: &[[f64; 3]; 3]) -> [f64; STATES] {
+    let mut gain = [angle, velocity, 0.0, 0.0, 0.0, 0.0];
+    for i in 0..3 {
+        let (end_angle, end_velocity) = (-end[0][i], -end[1][i]);
+        // As in `Transcription::end_at_rest`: relative to coasting into the end.
+        gain[3 + i] = -velocity * end_velocity + angle * (left * end_velocity - end_angle);
+    }
+    gain
+}
+
+/// Follows the policies.
+struct Follow<'a> {
+    unconstrained: &'a Unconstrained,
+    transcription: &'a Transcription,
+    moves: &'a mut [f64],
+}
+
+impl Kernel for Follow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        let Self {
+            unconstrained,
+            transcription,
+            moves,
+        } = self;
+        let dot = |a: &[f64; STATES], b: &[f64; STATES]| {
+            let half = |l: usize| {
+                A::mul_add(
+                    a[l],
+                    b[l],
+                    A::mul_add(a[l + 1], b[l + 1], a[l + 2] * b[l + 2]),
+                )
+            };
+            half(0) + half(3)
+        };
+        let initial = transcription.initial();
+        let mut x = [0.0; STATES];
+        x[0] = initial.reference_angle - transcription.goal();
+        x[1] = initial.reference_velocity;
+        x[2] = initial.integral;
+        for (k, u) in moves.iter_mut().enumerate() {
+            let h = transcription.interval(k).length;
+            x[3..].copy_from_slice(&transcription.node_deviation()[k]);
+            *u = -dot(&unconstrained.policies[k].gain, &x);
+            let (integral, integral_by_move) = &unconstrained.integral[k];
+            x[2] = A::mul_add(*integral_by_move, *u, dot(integral, &x));
+            x[0] += A::mul_add(0.5 * h * h, *u, h * x[1]);
+            x[1] = A::mul_add(h, *u, x[1]);
+        }
+        transcription.end_at_rest(moves);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::examples::{any_initial, pendulum, tflex};
-    use super::super::spline::hessian;
     use super::*;
+    use arm::Instructions;
     use proptest::prelude::*;
 
     proptest! {
-        /// No other spline with the same ends is cheaper, nor is the gradient anything but zero.
+        /// No other moves with the same end are cheaper: the gradient is zero along all that keep it.
         #[test]
         fn the_optimum_is_stationary(
-            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool,
+            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
         ) {
             let mut problem = if flexure { tflex() } else { pendulum() };
             problem.weights.integral = if integral { 1.0 } else { 0.0 };
-            let mut transcription = Transcription::new(problem);
+            problem.growth = growth;
+            let mut transcription = Transcription::new(problem, Instructions::best());
             transcription.set(initial, goal);
-            let hessian = hessian(&transcription);
-            let mut unconstrained = Unconstrained::new(&transcription, &hessian).expect("definite");
+            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
             let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
             prop_assert!(unconstrained.solve(&transcription, &mut moves, &mut rollout));
             prop_assert!((rollout.angle[40] - goal).abs() < 1e-9);
@@ -131,6 +256,38 @@ mod tests {
             let weight = problem.weights.thermal;
             let left = unconstrained.find_step(weight, &transcription, &moves, &rollout);
             prop_assert!(left <= 1e-10 * rollout.cost, "{left} of {}", rollout.cost);
+            // Any change of a move, with the end kept.
+            let optimum = rollout.cost;
+            for k in [0, 7, 30, 37] {
+                let change = |du: f64| {
+                    let mut moves = moves.clone();
+                    moves[k] += du;
+                    transcription.end_at_rest(&mut moves);
+                    let mut rollout = Rollout::new(40);
+                    transcription.roll_out(&moves, &mut rollout);
+                    rollout.cost - optimum
+                };
+                let (up, down) = (change(1e-2), change(-1e-2));
+                prop_assert!(up > 0.0 && down > 0.0);
+                prop_assert!((up - down).abs() <= 1e-3 * (up + down) + 1e-9 * optimum, "{k}: {up} {down}");
+            }
+        }
+
+        /// ½·xᵀPx is the cost, where z = 0 and e = 0.
+        #[test]
+        fn the_price_is_the_cost_of_the_optimum(distance in -1.0..1.0_f64) {
+            let mut transcription = Transcription::new(pendulum(), Instructions::best());
+            let initial = super::super::problem::Initial {
+                angle: 0.7 + distance,
+                reference_angle: 0.7 + distance,
+                ..Default::default()
+            };
+            transcription.set(initial, 0.7);
+            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
+            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
+            unconstrained.solve(&transcription, &mut moves, &mut rollout);
+            let expected = unconstrained.cost_of_movement(distance);
+            prop_assert!((rollout.cost - expected).abs() <= 1e-9 * expected);
         }
     }
 }

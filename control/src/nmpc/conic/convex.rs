@@ -46,7 +46,7 @@ pub struct Convex {
     band: usize,
     /// Hessian of the cost without heat \[(N − 2) × (N − 2)\].
     hessian: DMatrix<f64>,
-    /// W, A² of thermal load per A² of squared current held for an interval.
+    /// W, A² of thermal load per A² of squared current held for the first interval.
     heat_weight: f64,
     p: CscMatrix<f64>,
     a: CscMatrix<f64>,
@@ -74,7 +74,7 @@ impl Convex {
             loads: problem.thermal_limit.map_or(0, |_| horizon),
             band,
             hessian,
-            heat_weight: transcription.thermal().weights().iter().sum(),
+            heat_weight: transcription.interval(0).thermal.weights().iter().sum(),
             p: CscMatrix::zeros((0, 0)),
             a: CscMatrix::zeros((0, 0)),
             q: Vec::new(),
@@ -84,7 +84,7 @@ impl Convex {
             sensitivity: Sensitivity::new(horizon),
         };
         convex.p = convex.pattern_p();
-        convex.a = convex.pattern_a(transcription.thermal().decay());
+        convex.a = convex.pattern_a(transcription);
         convex.q = vec![0.0; convex.a.n];
         convex.b = vec![0.0; convex.a.m];
         convex
@@ -141,7 +141,7 @@ impl Convex {
     }
 
     /// A with its constant entries; those of the currents are zero until posed.
-    fn pattern_a(&self, decay: f64) -> CscMatrix<f64> {
+    fn pattern_a(&self, transcription: &Transcription) -> CscMatrix<f64> {
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         let mut close = |column: &[(usize, f64)]| {
             rows.extend(column.iter().map(|entry| entry.0));
@@ -150,7 +150,10 @@ impl Convex {
         };
         for m in 0..self.free {
             let lower = self.horizon - 1 + m;
-            let mut column = vec![(m, 0.5), (m + 1, 0.5), (lower, -0.5), (lower + 1, -0.5)];
+            // c of node m + 1 moves this node and the next.
+            let own = stencil(transcription, m + 1)[0][1];
+            let next = stencil(transcription, m + 2)[0][0];
+            let mut column = vec![(m, own), (m + 1, next), (lower, -own), (lower + 1, -next)];
             if self.loads > 0 {
                 for k in m..m + 3 {
                     column.extend((2..CONE).map(|row| (self.cone_row(k) + row, 0.0)));
@@ -163,6 +166,7 @@ impl Convex {
             let mut column = vec![(self.room_row() + k, 1.0), (cone, -1.0), (cone + 1, -1.0)];
             if k + 1 < self.horizon {
                 let next = self.cone_row(k + 1);
+                let decay = transcription.interval(k + 1).thermal.decay();
                 column.extend([(next, decay), (next + 1, decay)]);
             }
             close(&column);
@@ -192,7 +196,7 @@ impl Convex {
         self.pose_curvature(task, rollout, damping);
 
         let gradient = &mut self.q[..self.free];
-        gather(problem.period, &self.sensitivity, gradient);
+        gather(transcription, &self.sensitivity, gradient);
         for q in gradient {
             *q *= self.sigma / task.cost_scale;
         }
@@ -252,11 +256,11 @@ impl Convex {
 
     /// Cones, room and slacks of the thermal load.
     fn pose_thermal_limit(&mut self, task: &Task<'_>, rollout: &Rollout, limit: f64) {
-        let thermal = task.transcription.thermal();
         let unit = self.heat_weight * limit;
         let per_torque = 1.0 / (task.transcription.problem().motor.torque_constant * limit.sqrt());
         for k in 0..self.horizon {
             let [load, next] = [rollout.thermal_load[k], rollout.thermal_load[k + 1]];
+            let thermal = &task.transcription.interval(k).thermal;
             let (room, cone) = (self.room_row() + k, self.cone_row(k));
             self.b[room] = (limit - next) / unit;
             let heat = (next - thermal.decay() * load) / unit;
@@ -264,7 +268,7 @@ impl Convex {
             self.b[cone + 1] = heat - 1.0;
             for j in 0..STAGES {
                 let weight = 2.0 * (thermal.weights()[j] / self.heat_weight).sqrt() * per_torque;
-                self.b[cone + 2 + j] = weight * rollout.stages[k][j].torque;
+                self.b[cone + 2 + j] = weight * rollout.stages[k].torque[j];
                 let slope = self.torque_slope(task, rollout, k, j);
                 for (column, m) in free_columns(k, self.free) {
                     let place = self.a.colptr[m] + BOUNDS + (2 - column) * STAGES + j;
@@ -279,8 +283,9 @@ impl Convex {
     /// ∂τ_j/∂(c_{k−1}, c_k, c_{k+1}) of interval `k` \[N·m/rad\].
     fn torque_slope(&self, task: &Task<'_>, rollout: &Rollout, k: usize, j: usize) -> [f64; 3] {
         let transcription = task.transcription;
-        let gradient = transcription.torque_gradient(&rollout.stages[k][j], j);
-        let stencil = stencil(transcription.problem().period);
+        let h = transcription.interval(k).length;
+        let gradient = transcription.torque_gradient(&rollout.stages[k], h, j);
+        let stencil = stencil(transcription, k);
         std::array::from_fn(|column| (0..3).map(|row| gradient[row] * stencil[row][column]).sum())
     }
 
@@ -340,7 +345,7 @@ mod tests {
             problem.arm.cogging_sin = [0.0; 9];
             problem.arm.damping = 0.1;
             problem.weights.thermal = 0.0;
-            let mut transcription = Transcription::new(problem);
+            let mut transcription = Transcription::new(problem, arm::Instructions::best());
             transcription.set(initial, goal);
             let bounds = vec![[problem.angle_lower, problem.angle_upper]; 39];
             let task = Task {
@@ -352,11 +357,11 @@ mod tests {
             let mut convex = Convex::new(&transcription, hessian(&transcription));
             let roll_out = |spline: &Spline| {
                 let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-                spline.moves(&mut moves);
+                spline.moves(&transcription, &mut moves);
                 transcription.roll_out(&moves, &mut rollout);
                 (moves, rollout)
             };
-            let mut spline = Spline::new(40, problem.period);
+            let mut spline = Spline::new(40);
             spline.free().fill(goal);
             spline.fix_ends(&transcription);
             let (moves, from) = roll_out(&spline);
@@ -411,7 +416,7 @@ mod tests {
     fn the_cost_of_heat_bends_the_problem() {
         let mut problem = tflex();
         problem.weights.thermal = 1.0;
-        let mut transcription = Transcription::new(problem);
+        let mut transcription = Transcription::new(problem, arm::Instructions::best());
         let initial = super::super::super::problem::Initial {
             angle: 1.1,
             reference_angle: 1.1,

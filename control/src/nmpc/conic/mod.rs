@@ -69,10 +69,7 @@ impl Conic {
     /// Sets Clarabel up for the problem of `transcription`, whose cost without heat has the Hessian
     /// `hessian` \[(N − 2) × (N − 2)\], N ≥ 3.
     pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
-        let (horizon, period) = (
-            transcription.problem().horizon,
-            transcription.problem().period,
-        );
+        let horizon = transcription.problem().horizon;
         let settings = DefaultSettings {
             verbose: false,
             max_iter: 60,
@@ -90,8 +87,8 @@ impl Conic {
         Self {
             clarabel,
             convex,
-            spline: Spline::new(horizon, period),
-            trial: Spline::new(horizon, period),
+            spline: Spline::new(horizon),
+            trial: Spline::new(horizon),
             trial_moves: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
         }
@@ -115,7 +112,7 @@ impl Conic {
         for (c, x) in self.trial.free().iter_mut().zip(&solution.x) {
             *c += sigma * x;
         }
-        self.trial.moves(&mut self.trial_moves);
+        self.trial.moves(task.transcription, &mut self.trial_moves);
         task.transcription
             .roll_out(&self.trial_moves, &mut self.trial_rollout);
         let promise = self
@@ -127,9 +124,9 @@ impl Conic {
 
 impl Solver for Conic {
     fn solve(&mut self, task: &Task<'_>, moves: &mut [f64], rollout: &mut Rollout) -> Outcome {
-        self.spline.fit(rollout);
+        self.spline.fit(task.transcription, rollout);
         self.spline.fix_ends(task.transcription);
-        self.spline.moves(moves);
+        self.spline.moves(task.transcription, moves);
         task.transcription.roll_out(moves, rollout);
 
         let mut outcome = Outcome {
