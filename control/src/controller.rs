@@ -325,10 +325,8 @@ impl Controller {
         state.reference.acceleration = plan.moves[0];
         state.goal = plan.goal;
         state.plan_status = plan.status;
-        // Field by field, because a derived clone_from allocates.
-        let PlannerState { moves, left } = self.planner.state();
-        state.planner.moves.clone_from(moves);
-        state.planner.left = *left;
+        // Not by a derived clone_from, which allocates.
+        state.planner.clone_from(self.planner.state());
         state.next_plan = (state.samples as f64 / self.samples_per_plan) as u64 + 1;
     }
 }

@@ -59,6 +59,7 @@ fn planner(variables: &Variables) -> nmpc::settings::Settings {
         thermal_limit: n.thermal_limit,
         models_feedback: n.models_feedback,
         models_integrator: n.models_integrator,
+        solver: nmpc::settings::Method::Automatic,
     }
 }
 

@@ -17,6 +17,8 @@
 //! and K = H_ux/H_uu is the cheapest one. Terminal rest (eq 27) leaves no choice in the last two intervals:
 //! there K is the deadbeat policy, which leads to rest at the goal from any state.
 
+use arm::Arithmetic;
+
 use super::problem::Problem;
 use super::rk4::{CURVED, ELAPSED, Interval, QUADRATURE, STAGES};
 
@@ -135,33 +137,45 @@ impl<const S: usize> Form<S> {
     /// One step of the recursion, with the cheapest policy or an `imposed` one: replaces `price` = P after
     /// the interval by P before it. None if there is no cheapest policy.
     #[inline(always)]
-    pub fn policy(
+    pub fn policy<A: Arithmetic>(
         &self,
         price: &mut [[f64; S]; S],
         imposed: Option<[f64; S]>,
     ) -> Option<Policy<S>> {
         let Self { a, b, xx, xu, uu } = self;
-        let product = |row: &[f64; S], column: &dyn Fn(usize) -> f64| {
-            row.iter()
-                .enumerate()
-                .map(|(i, x)| x * column(i))
-                .sum::<f64>()
-        };
-        let pa: [[f64; S]; S] =
-            std::array::from_fn(|r| std::array::from_fn(|c| product(&price[r], &|i| a[i][c])));
-        let pb: [f64; S] = std::array::from_fn(|r| product(&price[r], &|i| b[i]));
-        let h_uu = uu + product(b, &|i| pb[i]);
-        let h_ux: [f64; S] = std::array::from_fn(|c| xu[c] + product(b, &|i| pa[i][c]));
+        let (mut pa, mut pb) = ([[0.0; S]; S], [0.0; S]);
+        for r in 0..S {
+            for i in 0..S {
+                for c in 0..S {
+                    pa[r][c] = A::mul_add(price[r][i], a[i][c], pa[r][c]);
+                }
+                pb[r] = A::mul_add(price[r][i], b[i], pb[r]);
+            }
+        }
+        let (mut h_uu, mut h_ux) = (*uu, *xu);
+        for i in 0..S {
+            h_uu = A::mul_add(b[i], pb[i], h_uu);
+            for c in 0..S {
+                h_ux[c] = A::mul_add(b[i], pa[i][c], h_ux[c]);
+            }
+        }
         let (gain, inverse) = match imposed {
             Some(gain) => (gain, 0.0),
-            None if h_uu > 0.0 => (h_ux.map(|h| h / h_uu), 1.0 / h_uu),
+            None if h_uu > 0.0 => {
+                let inverse = 1.0 / h_uu;
+                (h_ux.map(|h| h * inverse), inverse)
+            }
             None => return None,
         };
         for r in 0..S {
+            // For the cheapest policy h_ux − h_uu·gain is zero.
+            let rest = A::mul_add(-h_uu, gain[r], h_ux[r]);
             for c in r..S {
-                let through: f64 = (0..S).map(|i| a[i][r] * pa[i][c]).sum();
-                let value = xx[r][c] + through - gain[r] * h_ux[c] - h_ux[r] * gain[c]
-                    + gain[r] * h_uu * gain[c];
+                let mut value = A::mul_add(-gain[c], rest, xx[r][c]);
+                value = A::mul_add(-gain[r], h_ux[c], value);
+                for i in 0..S {
+                    value = A::mul_add(a[i][r], pa[i][c], value);
+                }
                 (price[r][c], price[c][r]) = (value, value);
             }
         }

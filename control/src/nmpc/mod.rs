@@ -37,6 +37,7 @@
 //! ```
 
 pub mod conic;
+pub mod interior_point;
 pub mod linear_quadratic;
 pub mod planner;
 pub mod problem;

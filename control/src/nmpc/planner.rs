@@ -13,11 +13,12 @@ use arm::{Inadmissible, Instructions, Limits, Motor, Parameters};
 use serde::{Deserialize, Serialize};
 
 use super::conic::Conic;
+use super::interior_point;
 use super::problem::{FeedbackModel, Initial, Problem};
 use super::rest::RestPoints;
 use super::rollout::Rollout;
-use super::settings::Settings;
-use super::solver::{ANGLE_TOLERANCE, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
+use super::settings::{Method, Settings};
+use super::solver::{ANGLE_TOLERANCE, Multipliers, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
 use super::spline;
 use super::transcription::Transcription;
 use super::unconstrained::Unconstrained;
@@ -82,6 +83,8 @@ pub struct PlannerState {
     pub moves: Vec<f64>,
     /// How many of the moves are still to come once the first was made; 0 before the first plan.
     pub left: usize,
+    /// Multipliers of the previous plan.
+    pub multipliers: Multipliers,
 }
 
 impl Clone for PlannerState {
@@ -89,6 +92,7 @@ impl Clone for PlannerState {
         Self {
             moves: self.moves.clone(),
             left: self.left,
+            multipliers: self.multipliers.clone(),
         }
     }
 
@@ -96,6 +100,7 @@ impl Clone for PlannerState {
     fn clone_from(&mut self, source: &Self) {
         self.moves.clone_from(&source.moves);
         self.left = source.left;
+        self.multipliers.copy_from(&source.multipliers);
     }
 }
 
@@ -104,8 +109,8 @@ pub struct Planner {
     transcription: Transcription,
     rest: RestPoints,
     unconstrained: Unconstrained,
-    /// None for N = 2, where terminal rest leaves no choice.
-    solver: Option<Box<dyn Solver + Send>>,
+    /// Tried in this order; none for N = 2, where terminal rest leaves no choice.
+    solvers: Vec<Box<dyn Solver + Send>>,
     least_scale: f64,
     cost_scale: f64,
     angle_bounds: Vec<[f64; 2]>,
@@ -131,7 +136,6 @@ impl Planner {
         let problem = settings.problem(arm, motor, limits, feedback)?;
         let horizon = problem.horizon;
         let transcription = Transcription::new(problem, Instructions::best());
-        let hessian = spline::hessian(&transcription);
         let unconstrained = Unconstrained::new(&transcription).ok_or_else(|| {
             vec![Inadmissible {
                 name: "nmpc.weight_acceleration",
@@ -144,18 +148,29 @@ impl Planner {
             }]
         })?;
         let least_scale = unconstrained.cost_of_movement(LEAST_MOVEMENT);
-        let solver = (horizon > 2)
-            .then(|| Box::new(Conic::new(&transcription, hessian)) as Box<dyn Solver + Send>);
+        let mut solvers: Vec<Box<dyn Solver + Send>> = Vec::new();
+        if horizon > 2 {
+            if settings.solver != Method::Clarabel {
+                solvers.push(interior_point::new(&transcription));
+            }
+            if settings.solver != Method::Riccati {
+                solvers.push(Box::new(Conic::new(
+                    &transcription,
+                    spline::hessian(&transcription),
+                )));
+            }
+        }
         Ok(Self {
             rest: RestPoints::new(&problem),
             unconstrained,
-            solver,
+            solvers,
             least_scale,
             cost_scale: least_scale,
             angle_bounds: vec![[0.0; 2]; horizon - 1],
             state: PlannerState {
                 moves: vec![0.0; horizon],
                 left: 0,
+                multipliers: Multipliers::new(horizon),
             },
             plan: Plan {
                 status: PlanStatus::Idle,
@@ -204,6 +219,7 @@ impl Planner {
         if let Some(last) = self.state.moves.last_mut() {
             *last = 0.0;
         }
+        self.state.multipliers.shift();
         (self.plan.iterations, self.plan.convex_problems) = (0, 0);
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
@@ -234,9 +250,10 @@ impl Planner {
             &plan.trajectory,
         );
         let status = if settled && self.task().admits(&self.plan.trajectory) {
+            self.state.multipliers.known = false;
             SolverStatus::Solved
         } else {
-            self.run_solver()
+            self.run_solvers()
         };
 
         if status == SolverStatus::IterationLimit {
@@ -290,42 +307,52 @@ impl Planner {
         transcription.roll_out(&self.guess, &mut self.shifted);
     }
 
-    /// Improves on the plan without inequalities.
-    fn run_solver(&mut self) -> SolverStatus {
+    /// Improves on the plan without inequalities: solver after solver until one converges.
+    fn run_solvers(&mut self) -> SolverStatus {
         self.guess_from_shifted();
-        let Some(solver) = &mut self.solver else {
-            return SolverStatus::Solved;
-        };
-        let transcription = &self.transcription;
-        let Plan {
-            iterations,
-            convex_problems,
-            moves,
-            trajectory,
-            ..
-        } = &mut self.plan;
-        let bounded = task(transcription, &self.angle_bounds, self.cost_scale);
-        let mut outcome = solver.solve(&bounded, moves, trajectory);
-        (*iterations, *convex_problems) = (outcome.iterations, outcome.convex_problems);
-        if outcome.status == SolverStatus::Infeasible {
-            // So short a horizon leaves too little freedom: allow what terminal rest takes.
-            self.unconstrained.solve(transcription, moves, trajectory);
-            widen(&mut self.angle_bounds, trajectory);
-            let widened = task(transcription, &self.angle_bounds, self.cost_scale);
-            outcome = solver.solve(&widened, moves, trajectory);
-            *iterations += outcome.iterations;
-            *convex_problems += outcome.convex_problems;
+        self.plan.convex_problems = 0;
+        let mut status = SolverStatus::Solved;
+        for index in 0..self.solvers.len() {
+            status = self.run_solver(index);
+            if status == SolverStatus::Infeasible {
+                // So short a horizon leaves too little freedom: allow what terminal rest takes.
+                let Plan {
+                    moves, trajectory, ..
+                } = &mut self.plan;
+                self.unconstrained
+                    .solve(&self.transcription, moves, trajectory);
+                widen(&mut self.angle_bounds, trajectory);
+                self.state.multipliers.known = false;
+                status = self.run_solver(index);
+            }
+            if status == SolverStatus::Solved {
+                break;
+            }
         }
+        status
+    }
+
+    fn run_solver(&mut self, index: usize) -> SolverStatus {
+        let plan = &mut self.plan;
+        let task = task(&self.transcription, &self.angle_bounds, self.cost_scale);
+        let outcome = self.solvers[index].solve(
+            &task,
+            &mut plan.moves,
+            &mut plan.trajectory,
+            &mut self.state.multipliers,
+        );
+        plan.iterations += outcome.iterations;
+        plan.convex_problems += outcome.convex_problems;
         outcome.status
     }
 
     /// Replaces the plan by the previous one, shifted and led to the goal, if that is better.
     fn guess_from_shifted(&mut self) {
         if self.state.left == 0 {
+            self.state.multipliers.known = false;
             return;
         }
         let transcription = &self.transcription;
-        transcription.roll_out(&self.state.moves, &mut self.shifted);
         self.guess.copy_from_slice(&self.state.moves);
         transcription.end_at_rest(&mut self.guess);
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
@@ -333,6 +360,8 @@ impl Planner {
         if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {
             self.plan.moves.copy_from_slice(&self.guess);
             std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
+        } else {
+            self.state.multipliers.known = false;
         }
     }
 
@@ -432,7 +461,13 @@ mod tests {
     struct Unable(SolverStatus);
 
     impl Solver for Unable {
-        fn solve(&mut self, _: &Task<'_>, _: &mut [f64], _: &mut Rollout) -> Outcome {
+        fn solve(
+            &mut self,
+            _: &Task<'_>,
+            _: &mut [f64],
+            _: &mut Rollout,
+            _: &mut Multipliers,
+        ) -> Outcome {
             Outcome {
                 status: self.0,
                 iterations: 7,
@@ -474,7 +509,7 @@ mod tests {
         let plan = planner.plan(&starved(), 1.2);
         assert_eq!(plan.status, PlanStatus::Solved);
         let (first, mut initial) = (plan.clone(), next(plan, &starved()));
-        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
         for k in 1..40 {
             // Too hot for the plan without inequalities.
             initial.thermal_load = 12.0;
@@ -492,7 +527,7 @@ mod tests {
         let mut planner = planner();
         let plan = planner.plan(&starved(), 1.2);
         let initial = next(plan, &starved());
-        planner.solver = Some(Box::new(Unable(SolverStatus::IterationLimit)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::IterationLimit))];
         let plan = planner.plan(&initial, 1.4);
         assert_eq!(plan.status, PlanStatus::ShiftedPlan);
         assert!(plan.trajectory.excess <= THERMAL_TOLERANCE);
@@ -501,7 +536,7 @@ mod tests {
     #[test]
     fn without_any_plan_the_reference_is_braked_within_the_bounds() {
         let mut planner = planner();
-        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
         let initial = Initial {
             reference_velocity: 2.0,
             velocity: 2.0,
@@ -525,7 +560,7 @@ mod tests {
     fn a_shifted_plan_from_another_reference_is_not_followed() {
         let mut planner = planner();
         planner.plan(&starved(), 1.2);
-        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
         let elsewhere = Initial {
             reference_velocity: -1.0,
             ..starved()
@@ -539,11 +574,12 @@ mod tests {
         let state = PlannerState {
             moves: vec![f64::NAN; 40],
             left: 40,
+            multipliers: Multipliers::new(40),
         };
         planner.set_state(&state);
         assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
         planner.set_state(&state);
-        planner.solver = Some(Box::new(Unable(SolverStatus::Infeasible)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
         let plan = planner.plan(&starved(), 1.2);
         assert_eq!(plan.status, PlanStatus::Rest);
         assert!(plan.moves.iter().all(|u| u.is_finite()));
@@ -552,7 +588,7 @@ mod tests {
     #[test]
     fn the_solvers_work_is_reported() {
         let mut planner = planner();
-        planner.solver = Some(Box::new(Unable(SolverStatus::Solved)));
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Solved))];
         let plan = planner.plan(&starved(), 1.2);
         assert_eq!((plan.iterations, plan.convex_problems), (7, 1));
     }

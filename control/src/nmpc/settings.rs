@@ -8,6 +8,17 @@ use super::transcription::Transcription;
 /// Growth of the tracking error over a horizon beyond which a prediction is worthless.
 const MAX_DEVIATION_GROWTH: f64 = 1e3;
 
+/// Who solves what the plan without inequalities does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// [`super::interior_point`], and where that does not converge [`super::conic`].
+    Automatic,
+    /// [`super::interior_point`] alone.
+    Riccati,
+    /// [`super::conic`] alone.
+    Clarabel,
+}
+
 /// Settings of the planner; defaults are those of the T-flex (sec 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -27,6 +38,8 @@ pub struct Settings {
     pub models_feedback: bool,
     /// Whether the plan knows the integral part of the feedback (eqs 37, 38).
     pub models_integrator: bool,
+    /// Who solves.
+    pub solver: Method,
 }
 
 impl Default for Settings {
@@ -46,6 +59,7 @@ impl Default for Settings {
             thermal_limit: true,
             models_feedback: true,
             models_integrator: false,
+            solver: Method::Automatic,
         }
     }
 }

@@ -9,6 +9,8 @@
 //! an exact penalty: below the weight's price the thermal limit is kept wherever it can be kept, and where
 //! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only.
 
+use serde::{Deserialize, Serialize};
+
 use super::rollout::Rollout;
 use super::transcription::Transcription;
 
@@ -52,6 +54,46 @@ impl Task<'_> {
     }
 }
 
+/// Multipliers of the inequalities, ∂cost/∂bound: what a solver may start from and leaves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Multipliers {
+    /// Whether a solver left them.
+    pub known: bool,
+    /// Of the thermal limit at the nodes 1..N \[N\] \[rad²·s/A²\].
+    pub thermal: Vec<f64>,
+    /// Of the lower bound of θr at the nodes 1..N−1 \[N − 1\] \[rad·s\].
+    pub lower: Vec<f64>,
+    /// Of the upper bound of θr at the nodes 1..N−1 \[N − 1\] \[rad·s\].
+    pub upper: Vec<f64>,
+}
+
+impl Multipliers {
+    /// Unknown multipliers of a plan of `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        Self {
+            known: false,
+            thermal: vec![0.0; horizon],
+            lower: vec![0.0; horizon - 1],
+            upper: vec![0.0; horizon - 1],
+        }
+    }
+
+    /// Takes over from `source`, without allocation where the horizons agree.
+    pub fn copy_from(&mut self, source: &Self) {
+        self.known = source.known;
+        self.thermal.clone_from(&source.thermal);
+        self.lower.clone_from(&source.lower);
+        self.upper.clone_from(&source.upper);
+    }
+
+    /// Moves on by one interval; the last ones repeat.
+    pub fn shift(&mut self) {
+        for family in [&mut self.thermal, &mut self.lower, &mut self.upper] {
+            family.copy_within(1.., 0);
+        }
+    }
+}
+
 /// How a solver ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverStatus {
@@ -80,6 +122,12 @@ pub struct Outcome {
 /// a solver rebuilt from the parameters answers bit by bit the same.
 pub trait Solver {
     /// Improves `moves` \[N\], given `rollout` of them, and leaves the best moves with their rollout.
-    /// The guess may violate any limit, and its end need not be at rest.
-    fn solve(&mut self, task: &Task<'_>, moves: &mut [f64], rollout: &mut Rollout) -> Outcome;
+    /// The guess may violate any limit, and its end need not be at rest; so may `multipliers` be off.
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+        multipliers: &mut Multipliers,
+    ) -> Outcome;
 }

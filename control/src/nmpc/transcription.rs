@@ -164,6 +164,13 @@ impl Transcription {
         });
     }
 
+    /// [`Self::roll_out`] inside another kernel.
+    #[inline(always)]
+    pub fn roll_out_with<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
+        self.follow::<A>(moves, rollout);
+        self.heat::<A>(moves, rollout);
+    }
+
     /// All but the thermal load: nodes, stages and the cost without q_T.
     #[inline(always)]
     fn follow<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
@@ -346,8 +353,8 @@ impl Kernel for RollOut<'_> {
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        self.transcription.follow::<A>(self.moves, self.rollout);
-        self.transcription.heat::<A>(self.moves, self.rollout);
+        self.transcription
+            .roll_out_with::<A>(self.moves, self.rollout);
     }
 }
 

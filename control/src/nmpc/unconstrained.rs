@@ -5,7 +5,7 @@
 //! ([`super::linear_quadratic`]). With q_T Newton steps follow, with the true gradient and the same
 //! curvature, which q_T·T² hardly bends, until the cost settles. O(N) a plan.
 
-use arm::{Arithmetic, Kernel};
+use arm::{Arithmetic, Kernel, Separate};
 
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
 use super::rk4::STAGES;
@@ -66,7 +66,7 @@ impl Unconstrained {
                     &ends_of[index],
                 )
             });
-            policies[k] = form.policy(&mut price, imposed)?;
+            policies[k] = form.policy::<Separate>(&mut price, imposed)?;
             integral[k] = (form.a[2], form.b[2]);
         }
         Some(Self {

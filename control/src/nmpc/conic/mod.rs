@@ -41,7 +41,7 @@ use nalgebra::DMatrix;
 
 use self::convex::{Convex, Promise};
 use super::rollout::Rollout;
-use super::solver::{ANGLE_TOLERANCE, Outcome, Solver, SolverStatus, Task};
+use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Solver, SolverStatus, Task};
 use super::spline::Spline;
 use super::transcription::Transcription;
 
@@ -123,7 +123,13 @@ impl Conic {
 }
 
 impl Solver for Conic {
-    fn solve(&mut self, task: &Task<'_>, moves: &mut [f64], rollout: &mut Rollout) -> Outcome {
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+        _: &mut Multipliers,
+    ) -> Outcome {
         self.spline.fit(task.transcription, rollout);
         self.spline.fix_ends(task.transcription);
         self.spline.moves(task.transcription, moves);
