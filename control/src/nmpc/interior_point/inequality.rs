@@ -25,6 +25,8 @@ const FACTORS: usize = 16;
 pub struct Inequalities {
     /// ρ; infinite: no excess.
     pub price: f64,
+    /// How many are exceeded whatever the moves: there λ = ρ, and nothing is left to decide.
+    pub lost: usize,
     /// c.
     pub value: Vec<f64>,
     /// s.
@@ -50,6 +52,7 @@ impl Inequalities {
         let zeros = || vec![0.0; count];
         Self {
             price,
+            lost: 0,
             value: zeros(),
             slack: zeros(),
             excess: zeros(),
@@ -74,18 +77,22 @@ impl Inequalities {
     /// Number of complementarity products.
     pub fn products(&self) -> f64 {
         let each = if self.elastic() { 2.0 } else { 1.0 };
-        each * self.len() as f64
+        each * (self.len() - self.lost) as f64
     }
 
     /// Slacks, excesses and multipliers with products `mu`, near the multipliers there are and with slacks
     /// of at least `least` where there are none.
     pub fn start(&mut self, mu: f64, least: f64) {
+        self.multiplier[..self.lost].fill(self.price);
+        self.slope[..self.lost].fill(self.price);
+        self.weight[..self.lost].fill(0.0);
+        self.multiplier_step[..self.lost].fill(0.0);
         let highest = if self.elastic() {
             0.9 * self.price
         } else {
             1e12
         };
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let guess = self.multiplier[i].min(highest);
             let floor = if guess > 0.0 { mu / guess } else { least };
             let slack = f64::max(-self.value[i], floor);
@@ -103,11 +110,11 @@ impl Inequalities {
     #[inline(always)]
     pub fn gap(&self) -> f64 {
         let mut gap = 0.0;
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             gap += self.multiplier[i] * self.slack[i];
         }
         if self.elastic() {
-            for i in 0..self.len() {
+            for i in self.lost..self.len() {
                 gap += (self.price - self.multiplier[i]) * self.excess[i];
             }
         }
@@ -118,7 +125,7 @@ impl Inequalities {
     #[inline(always)]
     pub fn residuals(&self) -> [f64; 2] {
         let (mut sum, mut most) = (0.0, 0.0_f64);
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let residual = (self.value[i] + self.slack[i] - self.excess[i]).abs();
             sum += residual;
             most = most.max(residual);
@@ -129,17 +136,17 @@ impl Inequalities {
     /// Weights and slopes of a step towards products of zero.
     #[inline(always)]
     pub fn predict(&mut self) {
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let (s, lambda) = (self.slack[i], self.multiplier[i]);
             self.weight[i] = lambda / s;
         }
         if self.elastic() {
-            for i in 0..self.len() {
+            for i in self.lost..self.len() {
                 let flexibility = self.excess[i] / (self.price - self.multiplier[i]);
                 self.weight[i] = 1.0 / (1.0 / self.weight[i] + flexibility);
             }
         }
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             self.shift[i] = self.value[i];
             self.slope[i] = self.multiplier[i] + self.weight[i] * self.value[i];
         }
@@ -148,7 +155,7 @@ impl Inequalities {
     /// Slopes of a step towards products of `mu`, corrected by the products of the latest changes.
     #[inline(always)]
     pub fn correct(&mut self, mu: f64) {
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let product = self.multiplier_step[i] * self.slack_step[i];
             let mut shift = (mu - product) / self.multiplier[i];
             if self.elastic() {
@@ -174,7 +181,7 @@ impl Inequalities {
         // Inverse step lengths: the largest rate of approach.
         let (mut primal, mut dual) = (0.0_f64, 0.0_f64);
         let change = &change[..self.len()];
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let (s, t, lambda) = (self.slack[i], self.excess[i], self.multiplier[i]);
             let inverse = 1.0 / lambda;
             let step = self.weight[i] * A::mul_add(sign, change[i], self.shift[i]);
@@ -204,7 +211,7 @@ impl Inequalities {
     #[inline(always)]
     pub fn gap_after(&self, primal: f64, dual: f64) -> f64 {
         let mut gap = 0.0;
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let lambda = self.multiplier[i] + dual * self.multiplier_step[i];
             gap += lambda * (self.slack[i] + primal * self.slack_step[i]);
             if self.elastic() {
@@ -218,7 +225,7 @@ impl Inequalities {
     #[inline(always)]
     pub fn steepest(&self) -> f64 {
         let mut most = 0.0_f64;
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             let lambda = self.multiplier[i];
             most = most.max(lambda).max(lambda + self.multiplier_step[i]);
         }
@@ -228,7 +235,7 @@ impl Inequalities {
     /// Takes the step in s and t.
     #[inline(always)]
     pub fn advance(&mut self, primal: f64) {
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             self.slack[i] += primal * self.slack_step[i];
             self.excess[i] += primal * self.excess_step[i];
         }
@@ -237,7 +244,7 @@ impl Inequalities {
     /// Takes the step in λ.
     #[inline(always)]
     pub fn advance_multipliers(&mut self, dual: f64) {
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             self.multiplier[i] += dual * self.multiplier_step[i];
         }
     }
@@ -245,7 +252,7 @@ impl Inequalities {
     /// Lets the slack take in what c is smaller than expected.
     #[inline(always)]
     pub fn reset_slack(&mut self) {
-        for i in 0..self.len() {
+        for i in self.lost..self.len() {
             self.slack[i] = self.slack[i].max(self.excess[i] - self.value[i]);
         }
     }
@@ -254,15 +261,15 @@ impl Inequalities {
     #[inline(always)]
     pub fn merit(&self, mu: f64, weight: f64) -> f64 {
         let mut logarithms = 0.0;
-        for slacks in self.slack.chunks(FACTORS) {
+        for slacks in self.slack[self.lost..].chunks(FACTORS) {
             logarithms += slacks.iter().product::<f64>().ln();
         }
         let mut excess = 0.0;
         if self.elastic() {
-            for excesses in self.excess.chunks(FACTORS) {
+            for excesses in self.excess[self.lost..].chunks(FACTORS) {
                 logarithms += excesses.iter().product::<f64>().ln();
             }
-            excess = self.price * self.excess.iter().sum::<f64>();
+            excess = self.price * (self.excess[self.lost..].iter().sum::<f64>() + self.value[..self.lost].iter().sum::<f64>());
         }
         excess - mu * logarithms + weight * self.residuals()[0]
     }

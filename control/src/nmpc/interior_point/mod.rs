@@ -91,6 +91,17 @@ impl<const S: usize> InteriorPoint<S> {
         }
     }
 
+    /// Number of nodes after the first where T exceeds its limit even without any heat.
+    fn lost(&self, transcription: &Transcription) -> usize {
+        let limit = transcription.problem().thermal_limit.unwrap_or(0.0);
+        let mut load = transcription.initial().thermal_load;
+        let cooled = (0..self.thermal.value.len()).take_while(|&k| {
+            load *= transcription.interval(k).thermal.decay();
+            load > limit
+        });
+        cooled.count()
+    }
+
     #[inline(always)]
     fn gap(&self) -> f64 {
         self.thermal.gap() + self.lower.gap() + self.upper.gap()
@@ -135,6 +146,7 @@ impl<const S: usize> InteriorPoint<S> {
         self.evaluate_trial(task);
         std::mem::swap(rollout, &mut self.trial_rollout);
         self.thermal.price = task.excess_weight;
+        self.thermal.lost = self.lost(transcription);
         let warm = multipliers.known;
         let range = {
             let problem = transcription.problem();
@@ -154,7 +166,6 @@ impl<const S: usize> InteriorPoint<S> {
             family.start(if warm { WARM } else { COLD }, least);
         }
         let products = self.thermal.products() + self.lower.products() + self.upper.products();
-
         let mut iterations = 0;
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
@@ -234,6 +245,7 @@ impl<const S: usize> InteriorPoint<S> {
             moves.copy_from_slice(&self.trial);
             std::mem::swap(rollout, &mut self.trial_rollout);
 
+            if std::env::var_os("TRACE").is_some() { #[allow(clippy::print_stdout)] { println!("{iterations:3} gap {gap:.2e} mu {mu:.2e} ratio {ratio:.2e} primal {primal:.3} dual {dual:.3} trials {trials} exact {exact} decrease {decrease:.2e} res {:.2e} {:.2e} cost {:.6} excess {:.3e} steep {:?}", self.thermal.residuals()[1], self.lower.residuals()[1].max(self.upper.residuals()[1]), rollout.cost*scale, rollout.excess, weights); } }
             let unit = f64::max(1.0, rollout.cost * scale);
             let residual = self.thermal.residuals()[1]
                 .max(self.lower.residuals()[1])
