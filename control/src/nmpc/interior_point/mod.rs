@@ -8,7 +8,7 @@
 //!
 //! 1. linearises around the rollout and factorises once ([`newton`]), with the exact curvature of heat if
 //!    that has a minimum, with its convex part otherwise;
-//! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)³, with
+//! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
 //!    Mehrotra's correction;
 //! 3. shortens the step until the merit
 //!    `cost/cost_scale + Σ ρ·t − μ·Σ(ln s + ln t) + η·Σ|r|` falls, η above all multipliers;
@@ -32,9 +32,13 @@ use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Solver, SolverStatus,
 use super::transcription::Transcription;
 
 /// Iterations at most.
-const MAX_ITERATIONS: u32 = 40;
+const MAX_ITERATIONS: u32 = 60;
 /// Step lengths tried in an iteration at most.
 const MAX_TRIALS: u32 = 8;
+/// Length of a step in units of the one that was too long.
+const SHORTER: f64 = 0.7;
+/// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
+const UNFINISHED: f64 = 0.3;
 /// Sum of the products at the end, in units of the larger of cost and its scale.
 const GAP: f64 = 2e-7;
 /// Decrease that the last step promised, in the same units.
@@ -42,9 +46,9 @@ const DECREASE: f64 = 1e-6;
 /// Largest residual at the end \[A², rad\].
 const RESIDUAL: f64 = 1e-8;
 /// Product of a start from scratch.
-const COLD: f64 = 1e-1;
+const COLD: f64 = 1e-2;
 /// Product of a start from the previous plan.
-const WARM: f64 = 1e-7;
+const WARM: f64 = 1e-6;
 
 /// The interior point solver for `S` states.
 pub struct InteriorPoint<const S: usize> {
@@ -192,7 +196,8 @@ impl<const S: usize> InteriorPoint<S> {
                 + self.lower.gap_after(primal, dual)
                 + self.upper.gap_after(primal, dual);
             let ratio = (after / gap).clamp(0.0, 1.0);
-            let mu = f64::max(ratio * ratio * ratio * gap, 0.1 * GAP) / products;
+            let share = f64::max(ratio * ratio, UNFINISHED * (1.0 - primal.min(dual)));
+            let mu = f64::max(share * gap, 0.1 * GAP) / products;
             for family in self.families() {
                 family.correct(mu);
             }
@@ -234,7 +239,7 @@ impl<const S: usize> InteriorPoint<S> {
                 if after <= before + tolerance || trials >= MAX_TRIALS {
                     break;
                 }
-                primal *= 0.5;
+                primal *= SHORTER;
             }
             self.thermal.reset_slack();
             self.lower.reset_slack();
