@@ -1,8 +1,9 @@
-//! After set-up a sample allocates nothing, but for the general-purpose conic solver.
+//! After set-up a sample allocates nothing, whoever plans, but for the general-purpose conic solver.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use control::nmpc::settings::Method;
 use control::{Controller, ReferenceSource, Settings};
 
 /// The system's allocator, with a count of the allocations of each thread.
@@ -29,25 +30,33 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations in samples that solved no conic problem, over 4 s with four setpoints,
-/// and the number of plans among them.
-fn allocations(settings: &Settings) -> (u64, u32) {
+/// What a run did.
+struct Run {
+    allocations: u64,
+    plans: u32,
+    /// Plans that took iterations.
+    iterated: u32,
+}
+
+/// 4 s with four setpoints.
+fn run(settings: &Settings) -> Run {
     let mut controller = Controller::new(settings).unwrap();
     let mut angle = 1.1;
-    let (mut allocations, mut plans) = (0, 0);
+    let mut run = Run {
+        allocations: 0,
+        plans: 0,
+        iterated: 0,
+    };
     for sample in 0..16_000 {
         let setpoint = [1.1, 1.3, 1.0, 1.4][sample / 4000];
         let before = ALLOCATIONS.get();
         let command = controller.sample(angle, setpoint);
-        let made = ALLOCATIONS.get() - before;
+        run.allocations += ALLOCATIONS.get() - before;
         angle = command.reference.angle;
-        let solved = command.new_plan && controller.plan().iterations > 0;
-        plans += u32::from(command.new_plan && !solved);
-        if !solved {
-            allocations += made;
-        }
+        run.plans += u32::from(command.new_plan);
+        run.iterated += u32::from(command.new_plan && controller.plan().iterations > 0);
     }
-    (allocations, plans)
+    run
 }
 
 #[test]
@@ -57,16 +66,26 @@ fn following_the_profile_allocates_nothing() {
             reference: ReferenceSource::Profile,
             ..settings
         };
-        assert_eq!(allocations(&settings), (0, 0));
+        let run = run(&settings);
+        assert_eq!((run.allocations, run.plans), (0, 0));
     }
 }
 
 #[test]
-fn plans_in_closed_form_allocate_nothing() {
-    for settings in [Settings::tflex(), Settings::pendulum()] {
-        let (allocations, plans) = allocations(&settings);
-        eprintln!("{plans} of 80 plans in closed form");
-        assert_eq!(allocations, 0);
-        assert!(plans >= 20, "{plans}");
+fn plans_allocate_nothing() {
+    let mut hot = Settings::pendulum();
+    hot.initial_thermal_load = 0.95 * 0.85 * 0.85 * hot.motor.thermal_limit();
+    for (settings, least) in [(Settings::tflex(), 0), (Settings::pendulum(), 0), (hot, 5)] {
+        let settings = Settings {
+            nmpc: control::nmpc::settings::Settings {
+                solver: Method::Riccati,
+                ..settings.nmpc
+            },
+            ..settings
+        };
+        let run = run(&settings);
+        assert_eq!(run.plans, 80);
+        assert_eq!(run.allocations, 0);
+        assert!(run.iterated >= least, "{} plans iterated", run.iterated);
     }
 }

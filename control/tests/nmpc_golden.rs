@@ -4,6 +4,7 @@ mod nmpc_arms;
 
 use control::nmpc::planner::PlanStatus;
 use control::nmpc::problem::Initial;
+use control::nmpc::settings::Method;
 use nmpc_arms::{pendulum, tflex};
 use serde_json::Value;
 
@@ -51,11 +52,13 @@ fn cases(model: &str) -> Vec<Case> {
         .collect()
 }
 
-fn check(model: &str, most_convex_problems: u32, most_iterations: u32) {
-    let mut planner = match model {
-        "pendulum" => pendulum().planner(),
-        _ => tflex().planner(),
+fn check(model: &str, solver: Method, most_convex_problems: u32, most_iterations: u32) {
+    let mut arm = match model {
+        "pendulum" => pendulum(),
+        _ => tflex(),
     };
+    arm.settings.solver = solver;
+    let mut planner = arm.planner();
     let cases = cases(model);
     assert_eq!(cases.len(), 15);
     for (i, case) in cases.iter().enumerate() {
@@ -93,12 +96,17 @@ fn check(model: &str, most_convex_problems: u32, most_iterations: u32) {
 }
 
 #[test]
-fn pendulum_plans_equal_the_golden_ones() {
-    check("pendulum", 2, 36);
+fn pendulum_plans_of_the_interior_point_equal_the_golden_ones() {
+    check("pendulum", Method::Riccati, 0, 12);
+}
+
+#[test]
+fn pendulum_plans_of_clarabel_equal_the_golden_ones() {
+    check("pendulum", Method::Clarabel, 2, 36);
 }
 
 /// No limit is active on these: the closed form needs no solver.
 #[test]
 fn tflex_plans_equal_the_golden_ones() {
-    check("tflex", 1, 0);
+    check("tflex", Method::Automatic, 0, 0);
 }

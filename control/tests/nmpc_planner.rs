@@ -5,6 +5,7 @@ mod nmpc_arms;
 
 use control::nmpc::planner::{Plan, PlanStatus, Planner};
 use control::nmpc::problem::Initial;
+use control::nmpc::settings::Method;
 use nmpc_arms::{Arm, pendulum, tflex};
 use proptest::prelude::*;
 
@@ -85,17 +86,17 @@ fn count(arm: &Arm, seed: u64, plans: u32, loads: [f64; 2]) -> [u32; 3] {
 #[test]
 fn random_starts_are_all_solved() {
     for arm in [pendulum(), tflex()] {
-        let [solved, ..] = count(&arm, 1, 300, [0.0, 0.9]);
-        assert_eq!(solved, 300);
+        let [solved, ..] = count(&arm, 1, 1000, [0.0, 0.9]);
+        assert_eq!(solved, 1000);
     }
 }
 
 #[test]
 fn starved_starts_are_solved_or_exceed_the_limit_least() {
-    let [solved, slack, other] = count(&pendulum(), 2, 150, [0.97, 0.998]);
+    let [solved, slack, other] = count(&pendulum(), 2, 1000, [0.97, 0.998]);
     assert_eq!(other, 0, "unsolved");
     // Some of these starts are too fast for the heat they may still make.
-    assert!(slack <= 10, "{slack} of {}", solved + slack);
+    assert!(slack <= 70, "{slack} of {}", solved + slack);
 }
 
 #[test]
@@ -105,10 +106,36 @@ fn starts_above_the_thermal_limit_are_planned() {
         (pendulum(), [1.0, 1.5]),
         (tflex(), [1.0, 1.5]),
     ] {
-        let [_, slack, other] = count(&arm, 3, 60, loads);
+        let [_, slack, other] = count(&arm, 3, 1000, loads);
         assert_eq!(other, 0, "unsolved");
         assert!(slack > 0);
     }
+}
+
+/// Two solvers of different kinds, one answer.
+#[test]
+fn the_interior_point_and_clarabel_agree() {
+    let (mut iterated, mut arm) = (0, pendulum());
+    arm.settings.solver = Method::Riccati;
+    let mut riccati = arm.planner();
+    arm.settings.solver = Method::Clarabel;
+    let mut clarabel = arm.planner();
+    let mut uniform = Uniform(4);
+    for _ in 0..100 {
+        let (initial, goal) = uniform.start(&arm, [0.8, 0.99]);
+        riccati.set_state(&Default::default());
+        clarabel.set_state(&Default::default());
+        let (a, b) = (riccati.plan(&initial, goal), clarabel.plan(&initial, goal));
+        iterated += u32::from(a.iterations > 0);
+        if (a.status, b.status) == (PlanStatus::Solved, PlanStatus::Solved) {
+            let [a, b] = [a, b].map(|plan| plan.trajectory.cost);
+            assert!((a - b).abs() <= 1e-6 * b, "{a} {b}");
+        } else {
+            let [a, b] = [a, b].map(|plan| plan.trajectory.total_excess);
+            assert!((a - b).abs() <= 1e-3 * b + 1e-6, "{a} {b}");
+        }
+    }
+    assert!(iterated >= 30, "{iterated}");
 }
 
 #[test]
@@ -283,21 +310,24 @@ fn in_closed_loop_the_limit_is_kept_and_a_warm_start_saves_work() {
         thermal_load: 0.97 * arm.thermal_limit(),
         ..Initial::default()
     };
-    let (mut cold, mut warm) = (0, 0);
+    let (mut cold, mut warm, mut warm_plans) = (0, 0, 0);
     for k in 0..120 {
         let goal = if k < 60 { 1.2 } else { 0.4 };
         let plan = planner.plan(&initial, goal);
         assert_eq!(plan.status, PlanStatus::Solved, "plan {k}");
         assert!(plan.trajectory.excess <= 1e-6);
         if k % 60 == 0 {
-            cold += plan.convex_problems;
+            cold += plan.iterations;
         } else if plan.iterations > 0 {
-            warm = warm.max(plan.convex_problems);
+            (warm, warm_plans) = (warm + plan.iterations, warm_plans + 1);
         }
         initial = follow(plan, &initial);
     }
     assert!((initial.angle - 0.4).abs() < 1e-3, "arrives");
-    assert!(cold >= 2 && warm == 1, "{cold} cold, {warm} warm");
+    assert!(
+        cold >= 10 && warm_plans > 10 && warm <= 3 * warm_plans,
+        "{cold} iterations for two cold plans, {warm} for {warm_plans} warm ones"
+    );
 }
 
 fn bits(plan: &Plan) -> (PlanStatus, u32, u32, Vec<u64>) {

@@ -1,5 +1,7 @@
 //! From the variables of the contract to the settings of the controller.
 
+use arm::Instructions;
+use control::nmpc::settings::Method;
 use control::{ReferenceSource, Settings};
 use control::{feedback, nmpc};
 use fmi_unit::Failure;
@@ -37,14 +39,14 @@ pub fn settings(variables: &Variables) -> Result<Settings, Failure> {
             declared::ReferenceSource::Profile => ReferenceSource::Profile,
         },
         profile_max_acceleration: variables.profile.max_acceleration,
-        nmpc: planner(variables),
+        nmpc: planner(variables)?,
         feedback: feedback(variables)?,
     })
 }
 
-fn planner(variables: &Variables) -> nmpc::settings::Settings {
+fn planner(variables: &Variables) -> Result<nmpc::settings::Settings, Failure> {
     let n = &variables.nmpc;
-    nmpc::settings::Settings {
+    Ok(nmpc::settings::Settings {
         period: n.period,
         horizon: n.horizon,
         weights: nmpc::problem::Weights {
@@ -59,8 +61,16 @@ fn planner(variables: &Variables) -> nmpc::settings::Settings {
         thermal_limit: n.thermal_limit,
         models_feedback: n.models_feedback,
         models_integrator: n.models_integrator,
-        solver: nmpc::settings::Method::Automatic,
-    }
+        solver: match item("nmpc.solver", n.solver)? {
+            declared::NmpcSolver::Automatic => Method::Automatic,
+            declared::NmpcSolver::Riccati => Method::Riccati,
+            declared::NmpcSolver::Clarabel => Method::Clarabel,
+        },
+        instructions: match item("nmpc.instruction_set", n.instruction_set)? {
+            declared::InstructionSet::Automatic => Instructions::best(),
+            declared::InstructionSet::Baseline => Instructions::Baseline,
+        },
+    })
 }
 
 fn feedback(variables: &Variables) -> Result<feedback::Settings, Failure> {

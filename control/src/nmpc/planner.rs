@@ -3,13 +3,13 @@
 //! 1. The setpoint moves to the nearest rest point that can be held ([`super::rest`]).
 //! 2. The optimum without inequalities comes in closed form ([`super::unconstrained`]); where it keeps
 //!    all limits it is the plan.
-//! 3. Otherwise the solver starts from the better of that optimum and the previous plan, shifted.
+//! 3. Otherwise the solvers are tried in turn; the first starts from the better of that optimum and the previous plan, shifted.
 //! 4. Where no plan comes out, the previous plan goes on, shifted: it ends at rest. Where none is left,
 //!    the reference is braked to rest.
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
-use arm::{Inadmissible, Instructions, Limits, Motor, Parameters};
+use arm::{Inadmissible, Limits, Motor, Parameters};
 use serde::{Deserialize, Serialize};
 
 use super::conic::Conic;
@@ -47,7 +47,7 @@ pub enum PlanStatus {
     GoalProjected = 2,
     /// Solved, but the thermal limit could not be kept: the least excess was planned.
     ThermalSlack = 3,
-    /// Admissible, but the sequence of convex problems was stopped before it converged.
+    /// Admissible, but the solver was stopped before it converged.
     IterationLimit = 4,
     /// No new plan was found: the previous plan, shifted.
     ShiftedPlan = 5,
@@ -64,9 +64,9 @@ pub enum PlanStatus {
 pub struct Plan {
     /// How it came to be.
     pub status: PlanStatus,
-    /// Interior-point iterations.
+    /// Interior-point iterations; 0 for a plan in closed form.
     pub iterations: u32,
-    /// Convex problems.
+    /// Convex problems that Clarabel solved.
     pub convex_problems: u32,
     /// Rest point at the end \[rad\].
     pub goal: f64,
@@ -135,7 +135,7 @@ impl Planner {
     ) -> Result<Self, Vec<Inadmissible>> {
         let problem = settings.problem(arm, motor, limits, feedback)?;
         let horizon = problem.horizon;
-        let transcription = Transcription::new(problem, Instructions::best());
+        let transcription = Transcription::new(problem, settings.instructions);
         let unconstrained = Unconstrained::new(&transcription).ok_or_else(|| {
             vec![Inadmissible {
                 name: "nmpc.weight_acceleration",
@@ -242,7 +242,6 @@ impl Planner {
         let settled =
             self.unconstrained
                 .solve(&self.transcription, &mut plan.moves, &mut plan.trajectory);
-        plan.convex_problems = 1;
         self.cost_scale = plan.trajectory.cost.max(self.least_scale);
         bound_angle(
             &mut self.angle_bounds,
@@ -310,7 +309,6 @@ impl Planner {
     /// Improves on the plan without inequalities: solver after solver until one converges.
     fn run_solvers(&mut self) -> SolverStatus {
         self.guess_from_shifted();
-        self.plan.convex_problems = 0;
         let mut status = SolverStatus::Solved;
         for index in 0..self.solvers.len() {
             status = self.run_solver(index);

@@ -40,6 +40,8 @@ pub struct Settings {
     pub models_integrator: bool,
     /// Who solves.
     pub solver: Method,
+    /// Instructions of the processor that plans are computed with.
+    pub instructions: Instructions,
 }
 
 impl Default for Settings {
@@ -60,6 +62,7 @@ impl Default for Settings {
             models_feedback: true,
             models_integrator: false,
             solver: Method::Automatic,
+            instructions: Instructions::best(),
         }
     }
 }

@@ -269,7 +269,9 @@ impl Inequalities {
             for excesses in self.excess[self.lost..].chunks(FACTORS) {
                 logarithms += excesses.iter().product::<f64>().ln();
             }
-            excess = self.price * (self.excess[self.lost..].iter().sum::<f64>() + self.value[..self.lost].iter().sum::<f64>());
+            excess = self.price
+                * (self.excess[self.lost..].iter().sum::<f64>()
+                    + self.value[..self.lost].iter().sum::<f64>());
         }
         excess - mu * logarithms + weight * self.residuals()[0]
     }

@@ -16,6 +16,11 @@
 //!
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
+//! # Excess that cannot be avoided
+//! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
+//! every plan: its price is linear in T, λ_k = ρ, and nothing is left for an inequality to decide. A start
+//! far above the limit so becomes a smooth problem, that of the least heat.
+//!
 //! # Start
 //! A plan that goes on from the previous one brings its multipliers along and starts with small products;
 //! any other starts from the guess with large ones.
@@ -37,6 +42,10 @@ const MAX_ITERATIONS: u32 = 60;
 const MAX_TRIALS: u32 = 8;
 /// Length of a step in units of the one that was too long.
 const SHORTER: f64 = 0.7;
+/// η in units of the largest multiplier.
+const STEEPER: f64 = 1.1;
+/// Least slack at the start, in units of the bound's size.
+const LEAST_SLACK: f64 = 1e-2;
 /// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
 const UNFINISHED: f64 = 0.3;
 /// Sum of the products at the end, in units of the larger of cost and its scale.
@@ -136,6 +145,135 @@ impl<const S: usize> InteriorPoint<S> {
         std::array::from_fn(|i| thermal[i].min(lower[i]).min(upper[i]))
     }
 
+    /// Rolls the guess out, led to rest, and places slacks and multipliers.
+    #[inline(always)]
+    fn start<A: Arithmetic>(
+        &mut self,
+        task: &Task<'_>,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+        multipliers: &Multipliers,
+    ) {
+        let transcription = task.transcription;
+        transcription.end_at_rest(moves);
+        transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
+        self.evaluate_trial(task);
+        std::mem::swap(rollout, &mut self.trial_rollout);
+        self.thermal.price = task.excess_weight;
+        self.thermal.lost = self.lost(transcription);
+        let problem = transcription.problem();
+        let range = problem.angle_upper - problem.angle_lower;
+        let limit = problem.thermal_limit.unwrap_or(0.0);
+        let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
+        let leasts = [least(limit), least(range), least(range)];
+        let mu = if multipliers.known { WARM } else { COLD };
+        let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
+        for ((family, least), guess) in self.families().into_iter().zip(leasts).zip(guesses) {
+            for (multiplier, guess) in family.multiplier.iter_mut().zip(guess) {
+                *multiplier = if multipliers.known {
+                    guess / task.cost_scale
+                } else {
+                    0.0
+                };
+            }
+            family.start(mu, least);
+        }
+    }
+
+    /// The predictor's and the corrector's step; none if there is no minimum.
+    #[inline(always)]
+    fn step<A: Arithmetic>(
+        &mut self,
+        task: &Task<'_>,
+        moves: &[f64],
+        rollout: &Rollout,
+    ) -> Option<Step> {
+        let gap = self.gap();
+        for family in self.families() {
+            family.predict();
+        }
+        let families = [&self.thermal, &self.lower, &self.upper];
+        let newton = &mut self.newton;
+        if !newton.factorise::<A>(task, moves, rollout, families, true)
+            && !newton.factorise::<A>(task, moves, rollout, families, false)
+        {
+            return None;
+        }
+        newton.solve::<A>(families);
+        let [primal, dual] = self.steps::<A>(0.0, false);
+        let after: f64 = [&self.thermal, &self.lower, &self.upper]
+            .map(|family| family.gap_after(primal, dual))
+            .iter()
+            .sum();
+        let ratio = (after / gap).clamp(0.0, 1.0);
+        let share = f64::max(ratio * ratio, UNFINISHED * (1.0 - primal.min(dual)));
+        let products = self.thermal.products() + self.lower.products() + self.upper.products();
+        let mu = f64::max(share * gap, 0.1 * GAP) / products;
+        for family in self.families() {
+            family.correct(mu);
+        }
+        self.newton
+            .solve::<A>([&self.thermal, &self.lower, &self.upper]);
+        let [primal, dual] = self.steps::<A>(mu, true);
+        Some(Step { mu, primal, dual })
+    }
+
+    /// Shortens the step until the merit falls, and takes it; false if it leads nowhere finite.
+    #[inline(always)]
+    fn search<A: Arithmetic>(
+        &mut self,
+        task: &Task<'_>,
+        step: Step,
+        moves: &mut [f64],
+        rollout: &mut Rollout,
+    ) -> bool {
+        let scale = 1.0 / task.cost_scale;
+        let weights =
+            [&self.thermal, &self.lower, &self.upper].map(|family| STEEPER * family.steepest());
+        let before = self.merit(rollout.cost * scale, step.mu, weights);
+        let tolerance = 1e-12 * before.abs();
+        let (mut primal, mut taken) = (step.primal, 0.0);
+        let mut after = f64::NAN;
+        for _ in 0..MAX_TRIALS {
+            let steps = moves.iter().zip(&self.newton.moves);
+            for (trial, (u, step)) in self.trial.iter_mut().zip(steps) {
+                *trial = A::mul_add(primal, *step, *u);
+            }
+            task.transcription
+                .roll_out_with::<A>(&self.trial, &mut self.trial_rollout);
+            self.evaluate_trial(task);
+            for family in self.families() {
+                family.advance(primal - taken);
+            }
+            taken = primal;
+            after = self.merit(self.trial_rollout.cost * scale, step.mu, weights);
+            if after <= before + tolerance {
+                break;
+            }
+            primal *= SHORTER;
+        }
+        if !after.is_finite() {
+            return false;
+        }
+        for family in self.families() {
+            family.reset_slack();
+            family.advance_multipliers(step.dual);
+        }
+        moves.copy_from_slice(&self.trial);
+        std::mem::swap(rollout, &mut self.trial_rollout);
+        true
+    }
+
+    #[inline(always)]
+    fn converged(&self, task: &Task<'_>, rollout: &Rollout) -> bool {
+        let unit = f64::max(1.0, rollout.cost / task.cost_scale);
+        let residual = [&self.thermal, &self.lower, &self.upper]
+            .map(|family| family.residuals()[1])
+            .into_iter()
+            .fold(0.0, f64::max);
+        self.gap() <= GAP * unit && residual <= RESIDUAL && self.newton.decrease <= DECREASE * unit
+    }
+
     #[inline(always)]
     fn solve_with<A: Arithmetic>(
         &mut self,
@@ -144,118 +282,18 @@ impl<const S: usize> InteriorPoint<S> {
         rollout: &mut Rollout,
         multipliers: &mut Multipliers,
     ) -> Outcome {
-        let transcription = task.transcription;
-        transcription.end_at_rest(moves);
-        transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
-        self.evaluate_trial(task);
-        std::mem::swap(rollout, &mut self.trial_rollout);
-        self.thermal.price = task.excess_weight;
-        self.thermal.lost = self.lost(transcription);
-        let warm = multipliers.known;
-        let range = {
-            let problem = transcription.problem();
-            problem.angle_upper - problem.angle_lower
-        };
-        let leasts = [
-            1e-2 * transcription.problem().thermal_limit.unwrap_or(0.0),
-            1e-2 * range,
-            1e-2 * range,
-        ];
-        let scale = 1.0 / task.cost_scale;
-        let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
-        for ((family, least), guess) in self.families().into_iter().zip(leasts).zip(guesses) {
-            for (multiplier, guess) in family.multiplier.iter_mut().zip(guess) {
-                *multiplier = if warm { guess * scale } else { 0.0 };
-            }
-            family.start(if warm { WARM } else { COLD }, least);
-        }
-        let products = self.thermal.products() + self.lower.products() + self.upper.products();
+        self.start::<A>(task, moves, rollout, multipliers);
         let mut iterations = 0;
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
+            let Some(step) = self.step::<A>(task, moves, rollout) else {
+                break;
+            };
             iterations += 1;
-            let gap = self.gap();
-            for family in self.families() {
-                family.predict();
-            }
-            let Self {
-                newton,
-                thermal,
-                lower,
-                upper,
-                ..
-            } = self;
-            let families = [&*thermal, &*lower, &*upper];
-            let exact = newton.factorise::<A>(task, moves, rollout, families, true);
-            if !exact && !newton.factorise::<A>(task, moves, rollout, families, false) {
+            if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }
-            newton.solve::<A>(families);
-            let [primal, dual] = self.steps::<A>(0.0, false);
-            let after = self.thermal.gap_after(primal, dual)
-                + self.lower.gap_after(primal, dual)
-                + self.upper.gap_after(primal, dual);
-            let ratio = (after / gap).clamp(0.0, 1.0);
-            let share = f64::max(ratio * ratio, UNFINISHED * (1.0 - primal.min(dual)));
-            let mu = f64::max(share * gap, 0.1 * GAP) / products;
-            for family in self.families() {
-                family.correct(mu);
-            }
-            let Self {
-                newton,
-                thermal,
-                lower,
-                upper,
-                ..
-            } = self;
-            newton.solve::<A>([&*thermal, &*lower, &*upper]);
-            let [mut primal, dual] = self.steps::<A>(mu, true);
-            let decrease = self.newton.decrease;
-
-            // Shorten until the merit falls.
-            let weights = [
-                self.thermal.steepest(),
-                self.lower.steepest(),
-                self.upper.steepest(),
-            ]
-            .map(|steepest| 1.1 * steepest);
-            let before = self.merit(rollout.cost * scale, mu, weights);
-            let tolerance = 1e-12 * before.abs();
-            let mut trials = 0;
-            let mut taken = 0.0;
-            loop {
-                trials += 1;
-                for ((trial, u), step) in self.trial.iter_mut().zip(&*moves).zip(&self.newton.moves)
-                {
-                    *trial = A::mul_add(primal, *step, *u);
-                }
-                transcription.roll_out_with::<A>(&self.trial, &mut self.trial_rollout);
-                self.evaluate_trial(task);
-                for family in self.families() {
-                    family.advance(primal - taken);
-                }
-                taken = primal;
-                let after = self.merit(self.trial_rollout.cost * scale, mu, weights);
-                if after <= before + tolerance || trials >= MAX_TRIALS {
-                    break;
-                }
-                primal *= SHORTER;
-            }
-            self.thermal.reset_slack();
-            self.lower.reset_slack();
-            self.upper.reset_slack();
-            for family in self.families() {
-                family.advance_multipliers(dual);
-            }
-            moves.copy_from_slice(&self.trial);
-            std::mem::swap(rollout, &mut self.trial_rollout);
-
-            if std::env::var_os("TRACE").is_some() { #[allow(clippy::print_stdout)] { println!("{iterations:3} gap {gap:.2e} mu {mu:.2e} ratio {ratio:.2e} primal {primal:.3} dual {dual:.3} trials {trials} exact {exact} decrease {decrease:.2e} res {:.2e} {:.2e} cost {:.6} excess {:.3e} steep {:?}", self.thermal.residuals()[1], self.lower.residuals()[1].max(self.upper.residuals()[1]), rollout.cost*scale, rollout.excess, weights); } }
-            let unit = f64::max(1.0, rollout.cost * scale);
-            let residual = self.thermal.residuals()[1]
-                .max(self.lower.residuals()[1])
-                .max(self.upper.residuals()[1]);
-            if self.gap() <= GAP * unit && residual <= RESIDUAL && decrease <= DECREASE * unit {
+            if self.converged(task, rollout) {
                 status = SolverStatus::Solved;
                 break;
             }
@@ -263,7 +301,8 @@ impl<const S: usize> InteriorPoint<S> {
         if task.angle_excess(rollout) > ANGLE_TOLERANCE {
             status = SolverStatus::Infeasible;
         }
-        multipliers.known = true;
+        // Multipliers of an unfinished plan would lead the next one astray.
+        multipliers.known = status == SolverStatus::Solved;
         let known = [
             &mut multipliers.thermal,
             &mut multipliers.lower,
@@ -280,6 +319,14 @@ impl<const S: usize> InteriorPoint<S> {
             convex_problems: 0,
         }
     }
+}
+
+/// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.
+#[derive(Clone, Copy)]
+struct Step {
+    mu: f64,
+    primal: f64,
+    dual: f64,
 }
 
 /// The solver for the problem of `transcription`.
