@@ -306,23 +306,29 @@ impl Planner {
         transcription.roll_out(&self.guess, &mut self.shifted);
     }
 
-    /// Improves on the plan without inequalities: solver after solver until one converges.
+    /// Improves on the plan without inequalities.
     fn run_solvers(&mut self) -> SolverStatus {
         self.guess_from_shifted();
+        let status = self.run_until_solved();
+        if status != SolverStatus::Infeasible {
+            return status;
+        }
+        // So short a horizon leaves too little freedom: allow what terminal rest takes.
+        let Plan {
+            moves, trajectory, ..
+        } = &mut self.plan;
+        self.unconstrained
+            .solve(&self.transcription, moves, trajectory);
+        widen(&mut self.angle_bounds, trajectory);
+        self.state.multipliers.known = false;
+        self.run_until_solved()
+    }
+
+    /// Solver after solver until one converges; the last one's status.
+    fn run_until_solved(&mut self) -> SolverStatus {
         let mut status = SolverStatus::Solved;
         for index in 0..self.solvers.len() {
             status = self.run_solver(index);
-            if status == SolverStatus::Infeasible {
-                // So short a horizon leaves too little freedom: allow what terminal rest takes.
-                let Plan {
-                    moves, trajectory, ..
-                } = &mut self.plan;
-                self.unconstrained
-                    .solve(&self.transcription, moves, trajectory);
-                widen(&mut self.angle_bounds, trajectory);
-                self.state.multipliers.known = false;
-                status = self.run_solver(index);
-            }
             if status == SolverStatus::Solved {
                 break;
             }
