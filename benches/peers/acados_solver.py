@@ -11,7 +11,6 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-
 from model import EXCESS_WEIGHT
 from nlp import NX, REFERENCE_ANGLE, THERMAL_LOAD, discrete, first_guess, reduced
 

@@ -6,11 +6,10 @@
 import hashlib
 import subprocess
 import time
-from math import isfinite
 from pathlib import Path
 
 import casadi as ca
-
+import numpy as np
 from model import EXCESS_WEIGHT
 from nlp import NX, REFERENCE_ANGLE, THERMAL_LOAD, discrete, first_guess, reduced
 
@@ -185,10 +184,10 @@ def tightened(bounds, share):
     """Inequality bounds moved inwards by a share of their size, at least 1."""
     moved = {}
     for low, high in (("lbx", "ubx"), ("lbg", "ubg")):
-        pairs = list(zip(bounds[low], bounds[high], strict=True))
-        room = [(share if a < b else 0.0) for a, b in pairs]
-        moved[low] = [a + r * max(1.0, abs(a)) if isfinite(a) else a for (a, _), r in zip(pairs, room, strict=True)]
-        moved[high] = [b - r * max(1.0, abs(b)) if isfinite(b) else b for (_, b), r in zip(pairs, room, strict=True)]
+        lower, upper = np.array(bounds[low]), np.array(bounds[high])
+        room = np.where(lower < upper, share, 0.0)
+        moved[low] = np.where(np.isfinite(lower), lower + room * np.maximum(1.0, abs(lower)), lower)
+        moved[high] = np.where(np.isfinite(upper), upper - room * np.maximum(1.0, abs(upper)), upper)
     return moved
 
 
@@ -211,7 +210,8 @@ class CasadiSolver:
         """Solves an instance; warm: from the last cold solution, moved on by one stage."""
         nlp = self.nlps[instance.soft]
         solver = self.solvers[instance.soft, warm]
-        start = {"p": [*reduced(instance.initial), instance.goal, instance.cost_scale], **self.bounds[instance.soft]}
+        parameters = [*reduced(instance.initial), instance.goal, instance.cost_scale]
+        start = {"p": parameters, **self.bounds[instance.soft]}
         if warm and self.last is not None:
             sizes = [NX + nu for nu in nlp.nu]
             rows = [NX + ng for ng in nlp.ng]

@@ -4,16 +4,19 @@ import contextlib
 import gc
 import math
 import os
-from dataclasses import asdict
-
-from tqdm import tqdm
 
 import acados_solver
 import instances
 from casadi_solvers import CasadiSolver
 from model import simulate
 from ours import OurSolver
+from tqdm import tqdm
 from yardstick import Yardstick
+
+# Moves beyond this have diverged [rad/s²].
+LARGEST = 1e9
+# What is kept of an answer.
+KEPT = ("seconds", "own_seconds", "status", "iterations", "solved")
 
 
 def pin(core):
@@ -62,11 +65,12 @@ def run(server, arm, counts, options, folders, acados):
     problem = server.problem(arm)
     build = folders["build"]
     build.mkdir(parents=True, exist_ok=True)
+    print(f"{arm}: generating and compiling the peers' models; a few minutes at first ...", flush=True)
     with contextlib.chdir(build), silent():
         yardstick = Yardstick(problem, build)
         solvers, absent = solvers_of(server, problem, build, acados)
         total = sum(counts.values()) + len(instances.golden(problem, folders["golden"]))
-        with tqdm(total=total, desc=f"{arm}: instances", unit="", leave=False) as bar:
+        with tqdm(total=total, desc=f"{arm}: instances", unit="", leave=False, disable=None) as bar:
             drawn = instances.pairs(problem, yardstick, folders["golden"], counts, options.seed, bar.update)
         for solver in solvers:
             # The first calls load code and fill caches.
@@ -74,7 +78,9 @@ def run(server, arm, counts, options, folders, acados):
                 solver.solve(instance, bool(warm), 2)
         records = []
         gc.disable()
-        for number, (first, second) in enumerate(tqdm(drawn, desc=f"{arm}: solve", unit="", leave=False)):
+        for number, (first, second) in enumerate(
+            tqdm(drawn, desc=f"{arm}: solve", unit="", leave=False, disable=None)
+        ):
             for warm, instance in ((False, first), (True, second)):
                 # Nobody always comes first.
                 turn = number % len(solvers)
@@ -88,15 +94,16 @@ def run(server, arm, counts, options, folders, acados):
 
 def record(problem, instance, number, warm, solver, answer):
     """What a solver did on an instance, judged by its moves alone."""
-    finite = all(math.isfinite(u) for u in answer["moves"])
-    check = simulate(problem, instance.initial, instance.goal, answer.pop("moves") if finite else [math.nan] * 40)
+    finite = all(abs(u) < LARGEST for u in answer["moves"])
+    moves = answer["moves"] if finite else [math.nan] * problem.horizon
+    check = simulate(problem, instance.initial, instance.goal, moves)
     entry = {
         "arm": instance.arm,
         "class": instance.kind,
         "number": number,
         "warm": warm,
         "solver": solver,
-        **{key: answer[key] for key in ("seconds", "own_seconds", "status", "iterations", "solved") if key in answer},
+        **{key: answer[key] for key in KEPT if key in answer},
         "passes": finite and check.passes(instance),
         "gap": check.gap(instance),
         "excess": 0.0 if instance.soft else check.excess,
@@ -106,8 +113,3 @@ def record(problem, instance, number, warm, solver, answer):
     if not math.isnan(instance.noted_cost):
         entry["optimum_to_noted"] = instance.optimum * instance.cost_scale / instance.noted_cost - 1.0
     return entry
-
-
-def describe(instance):
-    """An instance as data."""
-    return asdict(instance)

@@ -27,11 +27,9 @@ def position_torque(problem, angle, cos=math.cos, sin=math.sin):
     c1, s1 = cos(problem.cogging_frequency * angle), sin(problem.cogging_frequency * angle)
     torque = problem.stiffness * angle + problem.offset
     c, s = c1, s1
-    last = max(i for i, ab in enumerate(zip(problem.cogging_cos, problem.cogging_sin, strict=True)) if any(ab))
-    for i in range(last + 1):
-        torque += problem.cogging_cos[i] * c + problem.cogging_sin[i] * s
-        if i < last:
-            c, s = c * c1 - s * s1, s * c1 + c * s1
+    for a, b in zip(problem.cogging_cos, problem.cogging_sin, strict=True):
+        torque += a * c + b * s
+        c, s = c * c1 - s * s1, s * c1 + c * s1
     return torque
 
 
@@ -90,7 +88,7 @@ class Check:
     # Largest and summed excess of T over its limit at the nodes 1..N [A²].
     excess: float
     total_excess: float
-    # Largest excess of θr over its bounds at the nodes 1..N−1, and distance from rest at the goal.
+    # Largest excess of θr over its bounds at the nodes 1..N-1, and distance from rest at the goal.
     angle_excess: float
     rest_error: float
     nodes: list

@@ -4,7 +4,6 @@ The state e is left out: its weight is zero for both arms, and nothing else sees
 """
 
 import casadi as ca
-
 from model import rk4
 
 # States of the peers, (θ, ω, θr, ωr, T), and their places among the six of eq 23.

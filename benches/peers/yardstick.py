@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import casadi as ca
-
 from casadi_solvers import REFERENCE, Nlp
 from model import THERMAL_TOLERANCE, simulate
 from nlp import first_guess, reduced
