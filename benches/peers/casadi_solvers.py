@@ -186,8 +186,8 @@ def tightened(bounds, share):
     for low, high in (("lbx", "ubx"), ("lbg", "ubg")):
         lower, upper = np.array(bounds[low]), np.array(bounds[high])
         room = np.where(lower < upper, share, 0.0)
-        moved[low] = np.where(np.isfinite(lower), lower + room * np.maximum(1.0, abs(lower)), lower)
-        moved[high] = np.where(np.isfinite(upper), upper - room * np.maximum(1.0, abs(upper)), upper)
+        moved[low] = lower + room * np.maximum(1.0, np.abs(lower, where=np.isfinite(lower), out=0 * room))
+        moved[high] = upper - room * np.maximum(1.0, np.abs(upper, where=np.isfinite(upper), out=0 * room))
     return moved
 
 

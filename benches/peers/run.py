@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Our NMPC solvers beside CasADi's IPOPT, fatrop and acados, on the same instances.
 
-Builds what it needs under target/ (Python packages from PyPI, our solvers with cargo) and leaves table, figure
-and all measurements in dist/peers/. Every solver gets every instance in turn, in one run, on one core; the moves
-that come back are judged by one simulation of the full model. Times are of single calls: wall clock around the
-call alone; for acados what it reports itself (`time_tot`), which leaves out its Python interface. The table shows
-the least of the repeats per instance; measurements.json has the single calls too.
+Builds what it needs under target/ (Python packages from PyPI, our solvers with cargo) and leaves table,
+figure and all measurements in dist/peers/. Every solver gets every instance in turn, in one run, on one
+core; the moves that come back are judged by one simulation of the full model. Times are of single calls:
+wall clock around the call alone; for acados what it reports itself (`time_tot`), which leaves out its
+Python interface. The table shows the least of the repeats per instance; measurements.json has the single
+calls too.
 """
 
 import argparse
@@ -29,9 +30,9 @@ def parse():
     parser = argparse.ArgumentParser(
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="Classes of instances: golden, random, active (hot), starved (thermal budget of 0.2 to 3 %), over\n"
-        "(above the thermal limit by up to 0.2 %), far over (by up to 50 %); see instances.py. Compare figures of\n"
-        "one run only: machines and their load differ.",
+        epilog="Classes of instances: golden, random, active (hot), starved (thermal budget of 0.2 to 3 %),\n"
+        "over (above the thermal limit by up to 0.2 %), far over (by up to 50 %); see instances.py. Compare\n"
+        "figures of one run only: machines and their load differ.",
     )
     parser.add_argument(
         "--instances", type=int, default=40, metavar="N", help="random instances per arm (default 40)"
