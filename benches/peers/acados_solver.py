@@ -12,7 +12,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 from model import EXCESS_WEIGHT
-from nlp import NX, REFERENCE_ANGLE, THERMAL_LOAD, discrete, first_guess, reduced
+from nlp import NP, NX, REFERENCE_ANGLE, REFERENCE_VELOCITY, THERMAL_LOAD, discrete, first_guess, task
 
 # acados wants a lower bound of T as well; T ≥ 0 always, so this one never matters [A²].
 FAR = 10.0
@@ -84,7 +84,7 @@ class AcadosSolver:
         model.cost_expr_ext_cost = cost / problem.period
         model.cost_expr_ext_cost_e = ca.SX(0.0)
         ocp.dims.N = horizon
-        ocp.parameter_values = np.array([0.0, 1.0])
+        ocp.parameter_values = np.array([0.0, 1.0] + [0.0] * (NP - 2))
         ocp.cost.cost_type = ocp.cost.cost_type_e = "EXTERNAL"
 
         limit = problem.thermal_limit
@@ -92,7 +92,7 @@ class AcadosSolver:
         ocp.constraints.idxbx = np.array([REFERENCE_ANGLE, THERMAL_LOAD])
         ocp.constraints.lbx = np.array([problem.angle_lower, -FAR])
         ocp.constraints.ubx = np.array([problem.angle_upper, limit])
-        ocp.constraints.idxbx_e = np.array([0, 1, THERMAL_LOAD])
+        ocp.constraints.idxbx_e = np.array([REFERENCE_ANGLE, REFERENCE_VELOCITY, THERMAL_LOAD])
         ocp.constraints.lbx_e = np.array([0.0, 0.0, -FAR])
         ocp.constraints.ubx_e = np.array([0.0, 0.0, limit])
         if soft:
@@ -115,14 +115,15 @@ class AcadosSolver:
         """Solves an instance; warm: from the last cold solution, moved on by one stage."""
         solver = self.solvers[instance.soft]
         horizon = self.problem.horizon
-        start = np.array(reduced(instance.initial))
-        for k in range(horizon + 1):
-            solver.set(k, "p", np.array([instance.goal, instance.cost_scale]))
+        todo = task(self.problem, instance)
+        start = np.array(todo.start)
+        for k, parameters in enumerate(todo.stages):
+            solver.set(k, "p", np.array(parameters))
         solver.constraints_set(0, "lbx", start)
         solver.constraints_set(0, "ubx", start)
         for bound, load in (("lbx", -FAR), ("ubx", self.problem.thermal_limit)):
-            solver.constraints_set(horizon, bound, np.array([instance.goal, 0.0, load]))
-        guess = self._shifted(start) if warm and self.last else self._first(instance)
+            solver.constraints_set(horizon, bound, np.array([*todo.end, load]))
+        guess = self._shifted(start) if warm and self.last else self._first(todo)
         seconds, own_seconds = [], []
         for _ in range(repeats):
             solver.reset()
@@ -144,8 +145,8 @@ class AcadosSolver:
             "moves": [float(solver.get(k, "u")[0]) for k in range(horizon)],
         }
 
-    def _first(self, instance):
-        states, moves = first_guess(self.problem, instance.initial, instance.goal)
+    def _first(self, todo):
+        states, moves = first_guess(self.problem, todo)
         return {"x": [np.array(x) for x in states], "u": [np.array([u]) for u in moves]}
 
     def _iterate(self, solver):

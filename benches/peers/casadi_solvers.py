@@ -11,7 +11,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 from model import EXCESS_WEIGHT
-from nlp import NX, REFERENCE_ANGLE, THERMAL_LOAD, discrete, first_guess, reduced
+from nlp import NP, NX, REFERENCE_ANGLE, THERMAL_LOAD, discrete, first_guess, task
 
 FLAGS = ["-O3", "-march=native", "-fPIC", "-shared"]
 # Bounds must not be relaxed: as little as 1e-7 A² shows in the priced excess. fatrop relaxes them by this
@@ -76,7 +76,8 @@ class Nlp:
         step = ca.Function("step", [x, u, p], [after, cost], {"never_inline": True})
         self.nu = [int(k < horizon) + int(soft and k > 0) for k in range(horizon + 1)]
         variables = ca.MX.sym("w", sum(self.nu) + NX * (horizon + 1))
-        initial, parameters = ca.MX.sym("initial", NX), ca.MX.sym("p", 2)
+        initial, end = ca.MX.sym("initial", NX), ca.MX.sym("end", 2)
+        parameters = ca.MX.sym("p", NP, horizon)
         ends = [0]
         for nu in self.nu:
             ends += [ends[-1] + NX, ends[-1] + NX + nu]
@@ -86,7 +87,7 @@ class Nlp:
         for k, (state, control) in enumerate(zip(states, controls, strict=True)):
             path, equal = [], []
             if k < horizon:
-                following, price = step(state, control[0], parameters)
+                following, price = step(state, control[0], parameters[:, k])
                 objective += price
                 constraints.append(states[k + 1] - following)
                 self.equality += [True] * NX
@@ -99,7 +100,7 @@ class Nlp:
                 path.append(state[THERMAL_LOAD] - slack)
                 equal.append(False)
             if k == horizon:
-                path += [state[0] - parameters[0], state[1]]
+                path.append(state[:2] - end)
                 equal += [True] * 2
             constraints += path
             self.equality += equal
@@ -108,7 +109,7 @@ class Nlp:
             "x": variables,
             "f": objective,
             "g": ca.vertcat(*constraints),
-            "p": ca.vertcat(initial, parameters),
+            "p": ca.vertcat(initial, end, ca.vec(parameters)),
         }
         self.bounds = self._bounds()
 
@@ -149,6 +150,10 @@ class Nlp:
             "lbg": [0.0 if equal else -inf for equal in self.equality],
             "ubg": [0.0 if equal else limit for equal in self.equality],
         }
+
+    def parameters(self, todo):
+        """Parameters of a task."""
+        return [*todo.start, *todo.end, *(value for stage in todo.stages for value in stage)]
 
     def pack(self, states, moves):
         """Variables of states and moves; slacks as large as they need be."""
@@ -210,18 +215,18 @@ class CasadiSolver:
         """Solves an instance; warm: from the last cold solution, moved on by one stage."""
         nlp = self.nlps[instance.soft]
         solver = self.solvers[instance.soft, warm]
-        parameters = [*reduced(instance.initial), instance.goal, instance.cost_scale]
-        start = {"p": parameters, **self.bounds[instance.soft]}
+        todo = task(self.problem, instance)
+        start = {"p": nlp.parameters(todo), **self.bounds[instance.soft]}
         if warm and self.last is not None:
             sizes = [NX + nu for nu in nlp.nu]
             rows = [NX + ng for ng in nlp.ng]
             rows[-1] -= NX
             start["x0"] = nlp.shift(self.last["x"], sizes)
-            start["x0"][:NX] = reduced(instance.initial)
+            start["x0"][:NX] = todo.start
             start["lam_x0"] = nlp.shift(self.last["lam_x"], sizes)
             start["lam_g0"] = nlp.shift(self.last["lam_g"], rows)
         else:
-            start["x0"] = nlp.pack(*first_guess(self.problem, instance.initial, instance.goal))
+            start["x0"] = nlp.pack(*first_guess(self.problem, todo))
         start = {key: ca.DM(value) for key, value in start.items()}
         seconds = []
         for _ in range(repeats):
