@@ -6,8 +6,9 @@ from report import in_order, seconds_of
 
 # Colours that those who see red and green alike can tell apart.
 COLOURS = {
+    "flexarm automatic": "#d55e00",
+    "flexarm riccati": "#e69f00",
     "flexarm clarabel": "#0072b2",
-    "flexarm riccati": "#d55e00",
     "acados full": "#009e73",
     "acados partial": "#56b4e9",
     "fatrop": "#cc79a7",

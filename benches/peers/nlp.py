@@ -27,8 +27,8 @@ def reduced(state):
 
 def discrete(problem):
     """x, u, p, the next x and the cost of one move over the scale, as expressions (eqs 24, 28)."""
-    if problem.weight_integral != 0.0:
-        raise ValueError("e has a weight: the peers' model must know it")
+    if problem.weight_integral != 0.0 or problem.growth != 1.0:
+        raise ValueError("the peers' model knows neither a weight on e nor growing intervals")
     h = problem.period
     x, u, p = ca.SX.sym("x", NX), ca.SX.sym("u"), ca.SX.sym("p", NP)
     after, slope, cost = x, ca.SX.zeros(NX), 0.0

@@ -3,14 +3,15 @@
 use control::Settings;
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::{FeedbackModel, Initial};
+use control::nmpc::settings::Method;
 use serde_json::Value;
 
 use crate::Failure;
 
 /// The arms by name.
 pub const ARMS: [&str; 2] = ["pendulum", "tflex"];
-/// The solvers by name.
-pub const SOLVERS: [&str; 1] = ["clarabel"];
+/// The solvers by name; the first is the default of the settings.
+pub const SOLVERS: [&str; 3] = ["automatic", "riccati", "clarabel"];
 
 /// The paper's controller of `arm`.
 pub fn settings(arm: &str) -> Result<Settings, Failure> {
@@ -23,10 +24,13 @@ pub fn settings(arm: &str) -> Result<Settings, Failure> {
 
 /// A planner for `arm` by `solver`.
 pub fn planner(arm: &str, solver: &str) -> Result<Planner, Failure> {
-    if !SOLVERS.contains(&solver) {
-        return Err(format!("no solver {solver:?}, only {SOLVERS:?}").into());
-    }
-    let settings = settings(arm)?;
+    let mut settings = settings(arm)?;
+    settings.nmpc.solver = match solver {
+        "automatic" => Method::Automatic,
+        "riccati" => Method::Riccati,
+        "clarabel" => Method::Clarabel,
+        _ => return Err(format!("no solver {solver:?}, only {SOLVERS:?}").into()),
+    };
     let feedback = FeedbackModel {
         inertia: settings.feedback.inertia,
         gain_angle: settings.feedback.gains.angle,

@@ -100,6 +100,7 @@ fn problem(arm: &str) -> Result<Value, Failure> {
         "version": env!("CARGO_PKG_VERSION"),
         "horizon": problem.horizon,
         "period": problem.period,
+        "growth": problem.growth,
         "weight_angle": problem.weights.angle,
         "weight_velocity": problem.weights.velocity,
         "weight_integral": problem.weights.integral,
