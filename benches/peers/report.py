@@ -96,7 +96,7 @@ def table(records):
         shown = columns(found[arm, kind, warm])
         ours = [solver for solver in shown if solver.startswith("flexarm")]
         better = next((group for solver, group in shown.items() if solver.startswith(ACADOS)), None)
-        ratios = {f"acados/{solver.split()[-1]}": ratio(better, shown[solver]) for solver in ours if better}
+        ratios = {f"acados/{name.split()[-1]}": ratio(better, shown[name]) for name in ours[:1] if better}
         if not rows:
             rows.append(["arm", "class", "n", "start", *shown, *ratios])
         count = str(len(shown[ours[0]].best))
