@@ -1,10 +1,14 @@
 //! Speed of the controller and of its packaged FMUs: `cargo run --release -p flexarm-benches`, after
 //! `cargo xtask package`. All figures of one run on one machine; compare within a run.
+//!
+//! `flexarm-benches serve` answers requests for plans instead; `peers/run.py` compares them with other tools'.
 
 #![allow(clippy::print_stdout, reason = "the table is the product")]
 
 mod packages;
+mod planners;
 mod sample;
+mod serve;
 mod solve;
 mod statistics;
 
@@ -25,6 +29,9 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), Failure> {
+    if std::env::args().nth(1).as_deref() == Some("serve") {
+        return serve::run();
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .ok_or("the workspace has no folder")?;
