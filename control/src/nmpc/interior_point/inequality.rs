@@ -17,8 +17,16 @@ use arm::Arithmetic;
 
 /// Part of the way to the boundary that a step may go.
 const TO_BOUNDARY: f64 = 0.995;
+/// Running sums and maxima that are kept side by side, for the sake of vector instructions.
+const LANES: usize = 4;
 /// Factors of a product whose logarithm is taken at once; 16 numbers of 1e-18 do not underflow.
 const FACTORS: usize = 16;
+
+/// The larger number, by one instruction: `f64::max` takes care of NaN, of which there is none here.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
 
 /// A family of inequalities, one a node.
 #[derive(Clone, Debug)]
@@ -41,6 +49,10 @@ pub struct Inequalities {
     shift: Vec<f64>,
     /// γ = λ + Σ·shift: slope of the step's cost in c.
     pub slope: Vec<f64>,
+    /// m_s.
+    slack_product: Vec<f64>,
+    /// m_t.
+    excess_product: Vec<f64>,
     slack_step: Vec<f64>,
     excess_step: Vec<f64>,
     multiplier_step: Vec<f64>,
@@ -60,6 +72,8 @@ impl Inequalities {
             weight: zeros(),
             shift: zeros(),
             slope: zeros(),
+            slack_product: zeros(),
+            excess_product: zeros(),
             slack_step: zeros(),
             excess_step: zeros(),
             multiplier_step: zeros(),
@@ -86,7 +100,14 @@ impl Inequalities {
         self.multiplier[..self.lost].fill(self.price);
         self.slope[..self.lost].fill(self.price);
         self.weight[..self.lost].fill(0.0);
-        self.multiplier_step[..self.lost].fill(0.0);
+        for steps in [
+            &mut self.multiplier_step,
+            &mut self.slack_step,
+            &mut self.excess_step,
+        ] {
+            // All of them: what a failed solve left may be anything.
+            steps.fill(0.0);
+        }
         let highest = if self.elastic() {
             0.9 * self.price
         } else {
@@ -109,151 +130,181 @@ impl Inequalities {
     /// Σ of the complementarity products.
     #[inline(always)]
     pub fn gap(&self) -> f64 {
-        let mut gap = 0.0;
-        for i in self.lost..self.len() {
-            gap += self.multiplier[i] * self.slack[i];
-        }
-        if self.elastic() {
-            for i in self.lost..self.len() {
-                gap += (self.price - self.multiplier[i]) * self.excess[i];
-            }
-        }
-        gap
+        self.gap_after(0.0, 0.0)
     }
 
-    /// Σ|r| and the largest r.
+    /// Σ|r| and the largest |r|.
     #[inline(always)]
     pub fn residuals(&self) -> [f64; 2] {
-        let (mut sum, mut most) = (0.0, 0.0_f64);
-        for i in self.lost..self.len() {
-            let residual = (self.value[i] + self.slack[i] - self.excess[i]).abs();
-            sum += residual;
-            most = most.max(residual);
-        }
-        [sum, most]
+        let rows = self.value[self.lost..].iter();
+        let rows = rows
+            .zip(&self.slack[self.lost..])
+            .zip(&self.excess[self.lost..]);
+        rows.fold([0.0, 0.0], |[sum, most], ((c, s), t)| {
+            let residual = (c + s - t).abs();
+            [sum + residual, f64::max(most, residual)]
+        })
     }
 
     /// Weights and slopes of a step towards products of zero.
     #[inline(always)]
     pub fn predict(&mut self) {
-        for i in self.lost..self.len() {
-            let (s, lambda) = (self.slack[i], self.multiplier[i]);
-            self.weight[i] = lambda / s;
-        }
-        if self.elastic() {
-            for i in self.lost..self.len() {
-                let flexibility = self.excess[i] / (self.price - self.multiplier[i]);
-                self.weight[i] = 1.0 / (1.0 / self.weight[i] + flexibility);
+        let rows = self.lost..self.len();
+        let (c, s) = (&self.value[rows.clone()], &self.slack[rows.clone()]);
+        let (t, lambda) = (&self.excess[rows.clone()], &self.multiplier[rows.clone()]);
+        let weight = &mut self.weight[rows.clone()];
+        if self.price.is_finite() {
+            for i in 0..c.len() {
+                // 1/(s/λ + t/ν) with one division.
+                let nu = self.price - lambda[i];
+                weight[i] = lambda[i] * nu / (s[i] * nu + t[i] * lambda[i]);
+            }
+        } else {
+            for i in 0..c.len() {
+                weight[i] = lambda[i] / s[i];
             }
         }
-        for i in self.lost..self.len() {
-            self.shift[i] = self.value[i];
-            self.slope[i] = self.multiplier[i] + self.weight[i] * self.value[i];
+        let (shift, slope) = (&mut self.shift[rows.clone()], &mut self.slope[rows]);
+        for i in 0..c.len() {
+            shift[i] = c[i];
+            slope[i] = lambda[i] + weight[i] * c[i];
         }
     }
 
     /// Slopes of a step towards products of `mu`, corrected by the products of the latest changes.
     #[inline(always)]
     pub fn correct(&mut self, mu: f64) {
-        for i in self.lost..self.len() {
-            let product = self.multiplier_step[i] * self.slack_step[i];
-            let mut shift = (mu - product) / self.multiplier[i];
-            if self.elastic() {
-                let product = self.multiplier_step[i] * self.excess_step[i];
-                shift -= (mu + product) / (self.price - self.multiplier[i]);
+        let rows = self.lost..self.len();
+        let (c, lambda) = (&self.value[rows.clone()], &self.multiplier[rows.clone()]);
+        let weight = &self.weight[rows.clone()];
+        let of_slack = &mut self.slack_product[rows.clone()];
+        let of_excess = &mut self.excess_product[rows.clone()];
+        let (slack_step, excess_step) = (
+            &self.slack_step[rows.clone()],
+            &self.excess_step[rows.clone()],
+        );
+        let multiplier_step = &self.multiplier_step[rows.clone()];
+        let (shift, slope) = (&mut self.shift[rows.clone()], &mut self.slope[rows]);
+        for i in 0..c.len() {
+            of_slack[i] = mu - multiplier_step[i] * slack_step[i];
+            shift[i] = c[i] + of_slack[i] / lambda[i];
+        }
+        if self.price.is_finite() {
+            for i in 0..c.len() {
+                of_excess[i] = mu + multiplier_step[i] * excess_step[i];
+                shift[i] -= of_excess[i] / (self.price - lambda[i]);
             }
-            self.shift[i] = self.value[i] + shift;
-            self.slope[i] = self.multiplier[i] + self.weight[i] * self.shift[i];
+        }
+        for i in 0..c.len() {
+            slope[i] = lambda[i] + weight[i] * shift[i];
         }
     }
 
-    /// Changes of s, t and λ that go with the changes `sign`·`change` of c, towards products of `mu`;
-    /// `corrected` if [`Self::correct`] made the slopes. Returns the largest steps that keep s, t > 0, and
-    /// 0 < λ < ρ.
+    /// Forgets what [`Self::correct`] aimed at: products of zero.
     #[inline(always)]
-    pub fn step<A: Arithmetic>(
-        &mut self,
-        mu: f64,
-        corrected: bool,
-        sign: f64,
-        change: &[f64],
-    ) -> [f64; 2] {
-        // Inverse step lengths: the largest rate of approach.
-        let (mut primal, mut dual) = (0.0_f64, 0.0_f64);
-        let change = &change[..self.len()];
-        for i in self.lost..self.len() {
-            let (s, t, lambda) = (self.slack[i], self.excess[i], self.multiplier[i]);
-            let inverse = 1.0 / lambda;
-            let step = self.weight[i] * A::mul_add(sign, change[i], self.shift[i]);
-            let mut of_slack = mu;
-            let mut of_excess = mu;
-            if corrected {
-                of_slack -= self.multiplier_step[i] * self.slack_step[i];
-                of_excess += self.multiplier_step[i] * self.excess_step[i];
-            }
-            let slack_step = A::mul_add(-s * inverse, step, of_slack * inverse - s);
-            primal = primal.max(-slack_step / s);
-            dual = dual.max(-step * inverse);
-            if self.elastic() {
-                let inverse = 1.0 / (self.price - lambda);
-                let excess_step = A::mul_add(t * inverse, step, of_excess * inverse - t);
-                primal = primal.max(-excess_step / t);
-                dual = dual.max(step * inverse);
-                self.excess_step[i] = excess_step;
-            }
-            self.slack_step[i] = slack_step;
-            self.multiplier_step[i] = step;
+    pub fn aim_at_zero(&mut self) {
+        self.slack_product.fill(0.0);
+        self.excess_product.fill(0.0);
+    }
+
+    /// Changes of s, t and λ that go with the changes `sign`·`change` of c. Returns the largest steps that
+    /// keep s, t > 0, and 0 < λ < ρ.
+    #[inline(always)]
+    pub fn step<A: Arithmetic>(&mut self, sign: f64, change: &[f64]) -> [f64; 2] {
+        let rows = self.lost..self.len();
+        let change = &change[rows.clone()];
+        let (s, t) = (&self.slack[rows.clone()], &self.excess[rows.clone()]);
+        let (lambda, weight) = (&self.multiplier[rows.clone()], &self.weight[rows.clone()]);
+        let shift = &self.shift[rows.clone()];
+        let of_slack = &self.slack_product[rows.clone()];
+        let of_excess = &self.excess_product[rows.clone()];
+        let slack_step = &mut self.slack_step[rows.clone()];
+        let excess_step = &mut self.excess_step[rows.clone()];
+        let multiplier_step = &mut self.multiplier_step[rows];
+        // Inverse step lengths: the largest rates of approach to the boundary.
+        let (mut primal, mut dual) = ([0.0_f64; LANES], [0.0_f64; LANES]);
+        for i in 0..change.len() {
+            let step = weight[i] * A::mul_add(sign, change[i], shift[i]);
+            let inverse = 1.0 / lambda[i];
+            slack_step[i] = A::mul_add(-s[i] * inverse, step, of_slack[i] * inverse - s[i]);
+            multiplier_step[i] = step;
         }
-        [primal, dual].map(|rate| (TO_BOUNDARY / rate).min(1.0))
+        if self.price.is_finite() {
+            for i in 0..change.len() {
+                let inverse = 1.0 / (self.price - lambda[i]);
+                let step = multiplier_step[i];
+                excess_step[i] = A::mul_add(t[i] * inverse, step, of_excess[i] * inverse - t[i]);
+            }
+            for i in 0..change.len() {
+                let lane = i % LANES;
+                primal[lane] = larger(primal[lane], -excess_step[i] / t[i]);
+                dual[lane] = larger(dual[lane], multiplier_step[i] / (self.price - lambda[i]));
+            }
+        }
+        for i in 0..change.len() {
+            let lane = i % LANES;
+            primal[lane] = larger(primal[lane], -slack_step[i] / s[i]);
+            dual[lane] = larger(dual[lane], -multiplier_step[i] / lambda[i]);
+        }
+        [primal, dual].map(|rates| (TO_BOUNDARY / rates.into_iter().fold(0.0, larger)).min(1.0))
     }
 
     /// Σ of the products after a step of the given lengths.
     #[inline(always)]
     pub fn gap_after(&self, primal: f64, dual: f64) -> f64 {
-        let mut gap = 0.0;
-        for i in self.lost..self.len() {
-            let lambda = self.multiplier[i] + dual * self.multiplier_step[i];
-            gap += lambda * (self.slack[i] + primal * self.slack_step[i]);
-            if self.elastic() {
-                gap += (self.price - lambda) * (self.excess[i] + primal * self.excess_step[i]);
+        let rows = self.lost..self.len();
+        let (s, slack_step) = (&self.slack[rows.clone()], &self.slack_step[rows.clone()]);
+        let (t, excess_step) = (&self.excess[rows.clone()], &self.excess_step[rows.clone()]);
+        let multiplier_step = &self.multiplier_step[rows.clone()];
+        let lambda = &self.multiplier[rows];
+        let mut gap = [0.0; LANES];
+        for i in 0..s.len() {
+            let after = lambda[i] + dual * multiplier_step[i];
+            gap[i % LANES] += after * (s[i] + primal * slack_step[i]);
+        }
+        if self.price.is_finite() {
+            for i in 0..s.len() {
+                let after = self.price - (lambda[i] + dual * multiplier_step[i]);
+                gap[i % LANES] += after * (t[i] + primal * excess_step[i]);
             }
         }
-        gap
+        gap.iter().sum()
     }
 
     /// Largest multiplier before or after the whole step.
     #[inline(always)]
     pub fn steepest(&self) -> f64 {
-        let mut most = 0.0_f64;
-        for i in self.lost..self.len() {
-            let lambda = self.multiplier[i];
-            most = most.max(lambda).max(lambda + self.multiplier_step[i]);
-        }
-        most
+        let rows = self.multiplier.iter().zip(&self.multiplier_step);
+        rows.fold(0.0, |most, (lambda, step)| {
+            larger(most, larger(*lambda, lambda + step))
+        })
     }
 
     /// Takes the step in s and t.
     #[inline(always)]
     pub fn advance(&mut self, primal: f64) {
-        for i in self.lost..self.len() {
-            self.slack[i] += primal * self.slack_step[i];
-            self.excess[i] += primal * self.excess_step[i];
+        for (s, step) in self.slack.iter_mut().zip(&self.slack_step) {
+            *s += primal * step;
+        }
+        for (t, step) in self.excess.iter_mut().zip(&self.excess_step) {
+            *t += primal * step;
         }
     }
 
     /// Takes the step in λ.
     #[inline(always)]
     pub fn advance_multipliers(&mut self, dual: f64) {
-        for i in self.lost..self.len() {
-            self.multiplier[i] += dual * self.multiplier_step[i];
+        for (lambda, step) in self.multiplier.iter_mut().zip(&self.multiplier_step) {
+            *lambda += dual * step;
         }
     }
 
     /// Lets the slack take in what c is smaller than expected.
     #[inline(always)]
     pub fn reset_slack(&mut self) {
-        for i in self.lost..self.len() {
-            self.slack[i] = self.slack[i].max(self.excess[i] - self.value[i]);
+        let rows = self.value.iter().zip(&self.excess);
+        for (s, (c, t)) in self.slack.iter_mut().zip(rows).skip(self.lost) {
+            *s = larger(*s, t - c);
         }
     }
 

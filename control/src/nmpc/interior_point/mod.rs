@@ -134,14 +134,11 @@ impl<const S: usize> InteriorPoint<S> {
 
     /// Steps of the inequalities that go with the Newton step; the largest primal and dual step lengths.
     #[inline(always)]
-    fn steps<A: Arithmetic>(&mut self, mu: f64, corrected: bool) -> [f64; 2] {
-        let thermal = self
-            .thermal
-            .step::<A>(mu, corrected, 1.0, &self.newton.load);
-        let lower = self
-            .lower
-            .step::<A>(mu, corrected, -1.0, &self.newton.angle);
-        let upper = self.upper.step::<A>(mu, corrected, 1.0, &self.newton.angle);
+    fn steps<A: Arithmetic>(&mut self) -> [f64; 2] {
+        let thermal_changes = &self.newton.load[..self.thermal.value.len()];
+        let thermal = self.thermal.step::<A>(1.0, thermal_changes);
+        let lower = self.lower.step::<A>(-1.0, &self.newton.angle);
+        let upper = self.upper.step::<A>(1.0, &self.newton.angle);
         std::array::from_fn(|i| thermal[i].min(lower[i]).min(upper[i]))
     }
 
@@ -191,6 +188,7 @@ impl<const S: usize> InteriorPoint<S> {
         let gap = self.gap();
         for family in self.families() {
             family.predict();
+            family.aim_at_zero();
         }
         let families = [&self.thermal, &self.lower, &self.upper];
         let newton = &mut self.newton;
@@ -200,7 +198,7 @@ impl<const S: usize> InteriorPoint<S> {
             return None;
         }
         newton.solve::<A>(families);
-        let [primal, dual] = self.steps::<A>(0.0, false);
+        let [primal, dual] = self.steps::<A>();
         let after: f64 = [&self.thermal, &self.lower, &self.upper]
             .map(|family| family.gap_after(primal, dual))
             .iter()
@@ -214,7 +212,7 @@ impl<const S: usize> InteriorPoint<S> {
         }
         self.newton
             .solve::<A>([&self.thermal, &self.lower, &self.upper]);
-        let [primal, dual] = self.steps::<A>(mu, true);
+        let [primal, dual] = self.steps::<A>();
         Some(Step { mu, primal, dual })
     }
 
