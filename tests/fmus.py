@@ -34,6 +34,14 @@ def parameters(name: str) -> dict[str, str]:
     return found
 
 
+def hot_pendulum() -> dict[str, str]:
+    """The pendulum when its motor is nearly too hot: moves need the planner's solver, not only its formula.
+
+    The T-flex never does, so tests of states, threads and memory would miss the solver.
+    """
+    return parameters("pendulum") | {"initial.thermal_load": "11"}
+
+
 class CoSimulation:
     """One instance for Co-Simulation of a packaged (or any other) FMU."""
 

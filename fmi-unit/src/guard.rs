@@ -68,10 +68,11 @@ pub(crate) unsafe fn enter<U: Unit, T>(
             result.map_err(|()| Status::Error)
         }
         Err(payload) => {
-            handle.occupancy.store(POISONED, Ordering::Release);
-            // SAFETY: a poisoned instance is never lent out again, so that this reference is unique.
+            // SAFETY: the claim still makes this the only reference. Poison comes after: it would let another
+            // thread, or the logger itself, free the instance while its logger is at work.
             let logger = unsafe { &(*handle.instance.get()).logger };
             report_panic(logger, name, payload);
+            handle.occupancy.store(POISONED, Ordering::Release);
             Err(Status::Fatal)
         }
     }
@@ -159,7 +160,8 @@ impl<U: Unit> Handle<U> {
     fn claim(&self) -> Result<(), Status> {
         match self
             .occupancy
-            .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Relaxed)
+            // Acquire on failure too: who finds poison may free what the panic left.
+            .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Acquire)
         {
             Ok(_) => Ok(()),
             Err(POISONED) => Err(Status::Fatal),

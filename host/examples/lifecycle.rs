@@ -1,10 +1,14 @@
 //! Loads an FMU, makes and frees many instances of it one after the other, and unloads it: a subject for
-//! memory checkers. With a second number the instances are reset and run again that often.
+//! memory checkers. With a second number the instances are reset and run again that often; further arguments
+//! set start values. Says how many iterations the hardest plan took, so that a check knows what it covered.
 //!
 //!     cargo run --release -p flexarm-host --example lifecycle -- FlexArmPlant.fmu 100
-//!     valgrind --leak-check=full target/release/examples/lifecycle FlexArmPlant.fmu 5
+//!     valgrind --leak-check=full target/release/examples/lifecycle FlexArmController.fmu 5 1 setpoint=1.4
 
-use host::fmu::{Causality, Error, Experiment, Fmu, Instance, Signals};
+use host::Error;
+use host::fmu::{Causality, Experiment, Fmu, Instance, Scalar, Signals, Value};
+use host::input::parameters::{Assignment, StartValues};
+use host::input::{Pair, Side};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -14,7 +18,7 @@ const STEPS: u32 = 400;
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let Some(file) = arguments.next() else {
-        eprintln!("usage: lifecycle FMU [INSTANCES [RESETS]]");
+        eprintln!("usage: lifecycle FMU [INSTANCES [RESETS [NAME=VALUE ...]]]");
         return ExitCode::from(2);
     };
     let mut count = |default| {
@@ -24,8 +28,15 @@ fn main() -> ExitCode {
             .unwrap_or(default)
     };
     let (instances, resets) = (count(100), count(0));
-    match run(Path::new(&file), instances, resets) {
-        Ok(()) => ExitCode::SUCCESS,
+    let assignments: Result<Vec<Assignment>, _> = arguments.map(|a| a.parse()).collect();
+    let outcome = assignments
+        .map_err(Error::from)
+        .and_then(|sets| run(Path::new(&file), instances, resets, &sets));
+    match outcome {
+        Ok(iterations) => {
+            eprintln!("most iterations of a plan: {iterations}");
+            ExitCode::SUCCESS
+        }
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
@@ -33,31 +44,52 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(file: &Path, instances: usize, resets: usize) -> Result<(), Error> {
+fn run(
+    file: &Path,
+    instances: usize,
+    resets: usize,
+    assignments: &[Assignment],
+) -> Result<f64, Error> {
     let fmu = Fmu::open(file)?;
+    let description = fmu.description();
+    let pair = Pair {
+        controller: description,
+        plant: description,
+    };
+    let values = StartValues::read(pair, &[], assignments)?.of(Side::Controller);
+    let mut most = 0.0f64;
     for _ in 0..instances {
         let mut instance = fmu.instantiate("lifecycle", false)?;
-        experiment(&mut instance)?;
+        most = most.max(experiment(&mut instance, &values)?);
         for _ in 0..resets {
             instance.reset()?;
-            experiment(&mut instance)?;
+            most = most.max(experiment(&mut instance, &values)?);
         }
     }
-    Ok(())
+    Ok(most)
 }
 
-fn experiment(instance: &mut Instance) -> Result<(), Error> {
+/// Returns the most iterations of a plan; 0 without a planner.
+fn experiment(instance: &mut Instance, values: &[(Scalar, Value)]) -> Result<f64, Error> {
+    instance.set_start_values(values)?;
+    let iterations = instance.description().scalar("nmpc.iterations").ok();
     let outputs: Vec<_> = instance
         .description()
         .numeric_scalars(Causality::Output)
         .collect();
     let mut signals = Signals::new(instance.description(), &outputs);
+    let iterations = outputs
+        .iter()
+        .position(|&output| Some(output) == iterations);
+    let mut most = 0.0f64;
     let mut values = vec![0.0; outputs.len()];
     instance.enter_initialization(&Experiment::default())?;
     instance.exit_initialization()?;
     for k in 0..STEPS {
         instance.do_step(f64::from(k) * STEP, STEP)?;
         signals.read(instance, &mut values)?;
+        most = most.max(iterations.map_or(0.0, |i| values[i]));
     }
-    instance.terminate()
+    instance.terminate()?;
+    Ok(most)
 }

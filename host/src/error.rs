@@ -15,6 +15,8 @@ pub enum Error {
     Input(input::Error),
     /// A connected signal is not a number.
     NotFinite { name: String, value: f64, time: f64 },
+    /// The folder for the result cannot be used.
+    OutputFolder { path: PathBuf, source: io::Error },
     /// The result cannot be written.
     Output { path: PathBuf, source: io::Error },
     /// The user stopped the run.
@@ -26,7 +28,7 @@ impl Error {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Fmu(error) => error.is_input(),
-            Self::Input(_) => true,
+            Self::Input(_) | Self::OutputFolder { .. } => true,
             _ => false,
         }
     }
@@ -40,7 +42,9 @@ impl fmt::Display for Error {
             Self::NotFinite { name, value, time } => {
                 write!(f, "{name} is {value} at t = {time} s: not a finite number")
             }
-            Self::Output { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::OutputFolder { path, source } | Self::Output { path, source } => {
+                write!(f, "cannot write {}: {source}", path.display())
+            }
             Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
         }
     }
@@ -51,7 +55,7 @@ impl std::error::Error for Error {
         match self {
             Self::Fmu(error) => Some(error),
             Self::Input(error) => Some(error),
-            Self::Output { source, .. } => Some(source),
+            Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
             Self::NotFinite { .. } | Self::Interrupted { .. } => None,
         }
     }

@@ -3,72 +3,9 @@
 
 mod common;
 
+use common::cli::*;
 use common::*;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
-
-const CONNECTIONS: &str = "
-[[connection]]
-from = \"plant.y\"
-to = \"controller.u\"
-offset = 1.0
-[[connection]]
-from = \"controller.y\"
-to = \"plant.u\"
-[[role]]
-name = \"angle\"
-from = \"plant.y\"
-factor = 2.0
-";
-
-/// Runs in a folder, with its own temporary folder whose name needs care in an URI.
-fn flexarm(folder: &Path, arguments: &[&str]) -> Output {
-    let temporary = folder.join("tmp 50% #1 ä");
-    fs::create_dir_all(&temporary).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_flexarm"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("TMPDIR", &temporary)
-        .output()
-        .unwrap();
-    assert_eq!(
-        fs::read_dir(&temporary).unwrap().count(),
-        0,
-        "temporary folders are removed"
-    );
-    output
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// A folder with two mocks and connections.
-fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, version) in [("c.fmu", 2), ("p.fmu", 3)] {
-        fs::rename(mock(folder.path(), version), folder.path().join(name)).unwrap();
-    }
-    fs::write(folder.path().join("m.toml"), CONNECTIONS).unwrap();
-    folder
-}
-
-const RUN: [&str; 9] = [
-    "simulate",
-    "--controller",
-    "c.fmu",
-    "--plant",
-    "p.fmu",
-    "--connections",
-    "m.toml",
-    "--step",
-    "0.5",
-];
-
-fn run(folder: &Path, more: &[&str]) -> Output {
-    flexarm(folder, &[&RUN, more].concat())
-}
 
 #[test]
 fn a_pair_of_both_versions_runs_and_is_recorded() {
@@ -85,6 +22,8 @@ fn a_pair_of_both_versions_runs_and_is_recorded() {
     ];
     let output = run(folder.path(), &sets);
     assert!(output.status.success(), "{}", errors(&output));
+    let found = errors(&output);
+    assert!(found.ends_with("out/report.html\n"), "{found}");
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(
         table.starts_with(
@@ -130,7 +69,9 @@ fn setpoints_drive_inputs_too() {
     .unwrap();
     fs::write(
         folder.path().join("m.toml"),
-        "[[connection]]\nfrom = \"setpoint\"\nto = \"controller.u\"\nfactor = 10.0",
+        format!(
+            "[[connection]]\nfrom = \"setpoint\"\nto = \"controller.u\"\nfactor = 10.0\n{ROLE}"
+        ),
     )
     .unwrap();
     let output = run(folder.path(), &["--setpoints", "s.csv", "-o", "out"]);
@@ -142,8 +83,13 @@ fn setpoints_drive_inputs_too() {
          0,1,5,0,1,10,1\n0.5,1,5,5,1,10,1\n1,2,7,5,1,20,1\n1.5,2,7,7,1,20,1\n"
     );
     let output = run(folder.path(), &["--setpoints", "s.csv", "--until", "1"]);
-    assert!(errors(&output).contains("warning: setpoints go on to 1 s, but the run ends at 1 s"));
-    fs::write(folder.path().join("m.toml"), CONNECTIONS).unwrap();
+    let found = errors(&output);
+    assert!(
+        found.contains("warning: setpoints go on to 1 s, but the run ends at 1 s"),
+        "{found}"
+    );
+    let taken = "[[connection]]\nfrom = \"setpoint\"\nto = \"controller.u\"\n[[connection]]\nfrom = \"controller.y\"\nto = \"plant.u\"\n";
+    fs::write(folder.path().join("m.toml"), format!("{taken}{ROLE}")).unwrap();
     let output = run(folder.path(), &["--setpoints", "s.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(
@@ -185,7 +131,7 @@ fn a_run_that_fails_keeps_nothing_and_says_why() {
         assert!(errors(&output).ends_with(reason), "{}", errors(&output));
         assert!(output.stdout.is_empty());
         assert!(!folder.path().join("out/deep").exists());
-        assert_eq!(fs::read_dir(folder.path().join("out")).unwrap().count(), 0);
+        assert!(!folder.path().join("out").exists());
     }
 }
 
@@ -193,11 +139,12 @@ fn a_run_that_fails_keeps_nothing_and_says_why() {
 fn wrong_usage_and_input_exit_with_2() {
     let folder = folder();
     for (arguments, reason) in [
-        (vec!["--until", "0"], "--until = 0: expected a time in s"),
         (
-            vec!["--until", "nan"],
-            "--until = NaN: expected a time in s",
+            vec!["--until", "0"],
+            "--until = 0: expected a time in [0.5, 5e8] s",
         ),
+        (vec!["--until", "-1"], "--until = -1: expected a time in"),
+        (vec!["--until", "nan"], "--until = NaN: expected a time in"),
         (vec!["--record", "0"], "--record = 0: expected at least 1"),
         (
             vec!["--set", "gain=11"],
@@ -224,15 +171,14 @@ fn wrong_usage_and_input_exit_with_2() {
     ] {
         let output = run(folder.path(), &arguments);
         let found = errors(&output);
-        let code = if arguments[0] == "-o" { 1 } else { 2 };
-        assert_eq!(output.status.code(), Some(code), "{found}");
+        assert_eq!(output.status.code(), Some(2), "{found}");
         assert!(
             found.starts_with("error: ") && found.contains(reason),
             "{found}"
         );
     }
     let pair = ["simulate", "--controller", "c.fmu", "--plant", "p.fmu"];
-    let step = ["--connections", "m.toml", "--step=-1"];
+    let step = ["--connections", "m.toml", "--step", "-1"];
     let output = flexarm(folder.path(), &[&pair[..], &step].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(errors(&output).contains("--step = -1: expected a positive time"));
@@ -252,6 +198,11 @@ fn wrong_usage_and_input_exit_with_2() {
 #[test]
 fn an_fmu_is_shown() {
     let folder = folder();
+    let output = flexarm(folder.path(), &["inspect", "."]);
+    assert_eq!(
+        errors(&output),
+        "error: . is a folder, not an FMU, which is a zip file\n"
+    );
     let output = flexarm(folder.path(), &["inspect", "p.fmu"]);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();

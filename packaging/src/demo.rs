@@ -25,8 +25,5 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
         "20",
         "-o",
         "dist/demo",
-    ]))?;
-    let report = workspace.path("dist/demo/report.html");
-    eprintln!("\nOpen {}", report.display());
-    Ok(())
+    ]))
 }

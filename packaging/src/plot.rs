@@ -5,7 +5,6 @@ use crate::demo::SETPOINTS;
 use crate::workspace::Workspace;
 use plotters::prelude::*;
 use std::ffi::OsStr;
-use std::process::Stdio;
 
 /// How many of the demo's setpoints the run has, when it ends \[s\], and which of its samples are drawn.
 const MOVES: usize = 10;
@@ -18,35 +17,73 @@ const LEGEND: f64 = 1.2;
 const BLUE: RGBColor = RGBColor(0x1f, 0x6f, 0xb2);
 const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
 const RED: RGBColor = RGBColor(0xc0, 0x39, 0x2b);
+const GREEN: RGBColor = RGBColor(0x2f, 0x85, 0x5a);
+const PURPLE: RGBColor = RGBColor(0x7c, 0x3a, 0xed);
+const BROWN: RGBColor = RGBColor(0x8b, 0x5e, 0x3c);
 const GREY: RGBColor = RGBColor(0x94, 0xa7, 0xb8);
 
-/// A panel: what its axis says, and curves by column of the results, legend and colour.
+/// A panel and what its axis says.
 struct Panel {
     axis: &'static str,
-    curves: &'static [(&'static str, &'static str, RGBColor)],
+    curves: &'static [Curve],
 }
 
-const PANELS: [Panel; 3] = [
+/// A column of the results, or the difference of two, with a factor.
+struct Curve {
+    column: &'static str,
+    less: Option<&'static str>,
+    factor: f64,
+    legend: &'static str,
+    colour: RGBColor,
+    dashed: bool,
+}
+
+const fn curve(column: &'static str, legend: &'static str, colour: RGBColor) -> Curve {
+    Curve {
+        column,
+        less: None,
+        factor: 1.0,
+        legend,
+        colour,
+        dashed: false,
+    }
+}
+
+const PANELS: [Panel; 4] = [
     Panel {
         axis: "angle [rad]",
         curves: &[
-            ("setpoint", "setpoint", GREY),
-            ("controller.reference.angle", "reference", ORANGE),
-            ("plant.angle", "angle", BLUE),
+            curve("setpoint", "setpoint", GREY),
+            curve("plant.angle", "angle", BLUE),
+            // Dashed and on top: the angle follows it to a line's width.
+            Curve {
+                dashed: true,
+                ..curve(REFERENCE, "reference", ORANGE)
+            },
         ],
+    },
+    Panel {
+        axis: "angle − reference [mrad]",
+        curves: &[Curve {
+            less: Some(REFERENCE),
+            factor: 1e3,
+            ..curve("plant.angle", "error", PURPLE)
+        }],
     },
     Panel {
         axis: "torque [N·m]",
         curves: &[
-            ("controller.feedforward_torque", "feedforward", ORANGE),
-            ("controller.feedback_torque", "feedback", RED),
+            curve("controller.feedforward_torque", "feedforward", GREEN),
+            curve("controller.feedback_torque", "feedback", RED),
         ],
     },
     Panel {
         axis: "thermal load / limit",
-        curves: &[("plant.thermal_fraction", "thermal load", BLUE)],
+        curves: &[curve("plant.thermal_fraction", "thermal load", BROWN)],
     },
 ];
+
+const REFERENCE: &str = "controller.reference.angle";
 
 /// Runs the packaged FMUs of FMI 3.0 with the host and draws what they did.
 pub fn of_a_run(workspace: &Workspace, host: &OsStr) -> Result<String, String> {
@@ -79,8 +116,12 @@ pub fn of_a_run(workspace: &Workspace, host: &OsStr) -> Result<String, String> {
         .arg(&setpoints)
         .arg("-o")
         .arg(&out);
-    command.stdout(Stdio::null());
-    workspace.run(&mut command)?;
+    // Where its report was does not matter to anyone; why it failed does.
+    let run = command.output().map_err(|e| format!("flexarm: {e}"))?;
+    if !run.status.success() {
+        let reason = String::from_utf8_lossy(&run.stderr);
+        return Err(format!("running the packaged units: {}", reason.trim_end()));
+    }
     let file = out.join("results.csv");
     let error = |e| format!("{}: {e}", file.display());
     let mut table = csv::Reader::from_path(&file).map_err(error)?;
@@ -106,11 +147,17 @@ fn draw(column: &dyn Fn(&str) -> Result<Vec<f64>, String>) -> Result<String, Str
     let end = time.last().copied().ok_or("the run has no samples")?;
     let mut svg = String::new();
     {
-        let root = SVGBackend::with_string(&mut svg, (900, 620)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (900, 780)).into_drawing_area();
         for (panel, area) in PANELS.iter().zip(root.split_evenly((PANELS.len(), 1))) {
             let mut curves = Vec::new();
-            for (name, legend, colour) in panel.curves {
-                curves.push((column(name)?, *legend, *colour));
+            for curve in panel.curves {
+                let mut values = column(curve.column)?;
+                let less = curve.less.map(column).transpose()?;
+                for (i, value) in values.iter_mut().enumerate() {
+                    let less = less.as_ref().and_then(|l| l.get(i)).unwrap_or(&0.0);
+                    *value = curve.factor * (*value - less);
+                }
+                curves.push((values, curve));
             }
             let values = || {
                 curves
@@ -138,14 +185,22 @@ fn draw(column: &dyn Fn(&str) -> Result<Vec<f64>, String>) -> Result<String, Str
                 .label_style(("sans-serif", 13))
                 .draw()
                 .map_err(|e| failed(&e))?;
-            for (values, legend, colour) in curves {
+            for (values, curve) in curves {
                 let points = time.iter().copied().zip(values);
-                chart
-                    .draw_series(LineSeries::new(points, colour.stroke_width(2)))
+                let style = curve.colour.stroke_width(2);
+                let drawn = if curve.dashed {
+                    chart.draw_series(DashedLineSeries::new(points, 6, 5, style))
+                } else {
+                    chart.draw_series(LineSeries::new(points, style))
+                };
+                drawn
                     .map_err(|e| failed(&e))?
-                    .label(legend)
+                    .label(curve.legend)
                     .legend(move |(x, y)| {
-                        PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3))
+                        // A gap in the middle for a dashed line.
+                        let gap = if curve.dashed { 4 } else { 0 };
+                        let half = |from, to| PathElement::new([(x + from, y), (x + to, y)], style);
+                        EmptyElement::at((0, 0)) + half(0, 9 - gap) + half(9 + gap, 18)
                     });
             }
             chart

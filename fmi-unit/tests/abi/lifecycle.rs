@@ -1,5 +1,7 @@
 //! Instantiation, modes, failures and panics.
 
+use std::cell::Cell;
+use std::ffi::{c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
 use crate::session::{BOTH, ERROR, FATAL, Kind, OK, Options, Session, Version};
@@ -283,6 +285,64 @@ fn a_panic_is_fatal_for_the_instance_alone() {
         assert_eq!(s.terminate(), FATAL);
         assert_eq!(other.do_step(0.0, 0.1), OK);
     }
+}
+
+/// What a logger that calls back sees.
+#[derive(Default)]
+struct CallsBack {
+    handle: Cell<*mut c_void>,
+    status: Cell<Option<c_int>>,
+}
+
+unsafe extern "C" fn call_back(
+    environment: *mut c_void,
+    status: c_int,
+    _category: *const c_char,
+    _message: *const c_char,
+) {
+    let own = unsafe { &*environment.cast::<CallsBack>() };
+    if status == FATAL {
+        let handle = own.handle.get();
+        let status = unsafe { fmi3::fmi3Terminate::<Toy>(handle) };
+        own.status.set(Some(status));
+        if status == ERROR {
+            unsafe { fmi3::fmi3FreeInstance::<Toy>(handle) };
+        }
+    }
+}
+
+/// The message of a panic uses the instance: until it is out, nobody may have it, not even to free it.
+#[test]
+fn an_instance_lives_while_its_panic_is_reported() {
+    let own = CallsBack::default();
+    let environment = (&raw const own).cast_mut().cast();
+    let handle = unsafe {
+        fmi3::fmi3InstantiateCoSimulation::<Toy>(
+            c"toy".as_ptr(),
+            c"{toy}".as_ptr(),
+            null(),
+            0,
+            0,
+            0,
+            0,
+            null(),
+            0,
+            environment,
+            Some(call_back),
+            None,
+        )
+    };
+    own.handle.set(handle);
+    let s = Session {
+        version: Version::Fmi3,
+        handle,
+        messages: Box::default(),
+    };
+    s.initialize(0.0, None);
+    assert_eq!(s.set_enumeration(BEHAVIOUR, PANIC_IN_EVENT), OK);
+    assert_eq!(s.do_step(0.0, 0.1), FATAL);
+    assert_eq!(own.status.get(), Some(ERROR), "in use");
+    assert_eq!(s.do_step(0.0, 0.1), FATAL, "poisoned, not freed");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ContentArrangement, Table};
 use host::Error;
-use host::fmu::{Causality, Description, Fmu, Variable};
+use host::fmu::{Causality, Description, Fmu, Variable, short};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -170,15 +170,6 @@ fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
         ]);
     }
     table
-}
-
-/// Powers of ten rather than rows of zeros.
-fn short(number: f64) -> String {
-    if number != 0.0 && !(1e-3..1e5).contains(&number.abs()) {
-        format!("{number:e}")
-    } else {
-        number.to_string()
-    }
 }
 
 fn plain_table() -> Table {

@@ -1,4 +1,4 @@
-//! The command line. Exit codes: 0 done, 1 the run failed, 2 wrong usage or input.
+//! The command line and its exit codes.
 
 mod inspect;
 mod simulate;
@@ -27,7 +27,9 @@ Examples:
   flexarm inspect FlexArmPlant.fmu
   flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --setpoints steps.csv -o out/
 
-Exit codes: 0 done, 1 the run failed, 2 wrong usage or input. Messages go to standard error.";
+Exit codes: 0 done; 1 the run failed or its result could not be written; 2 wrong usage or input, which includes
+values that an FMU refuses before the first step and a folder for -o that cannot be used. Messages go to
+standard error.";
 
 /// Carries out a command.
 pub(crate) fn run(arguments: Arguments) -> ExitCode {

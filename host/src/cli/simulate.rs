@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -42,7 +43,7 @@ Setpoint files are CSV: header time,setpoint and optional columns named like inp
 row holds until the next one; the first is at time 0.
 
 The folder of -o gets results.csv (every communication point: about 20 MB for 20 s, see --record),
-summary.json, report.html and, if an FMU logs, log.txt. A row of results.csv holds the setpoint and the plant's
+summary.json, report.html (which shows it all) and, if an FMU logs, log.txt. A row of results.csv holds the setpoint and the plant's
 outputs at its time, and the controller's outputs after the step that begins there; enumerations are numbers,
 arrays are left out unless they are connected. A run that fails leaves nothing there.";
 
@@ -59,7 +60,8 @@ pub(super) struct Arguments {
     /// Parameter file (SSV) for both FMUs, or for one: controller=X.ssv, plant=X.ssv. Later ones win.
     #[arg(long, value_name = "[SIDE=]SSV")]
     parameters: Vec<ParameterFile>,
-    /// Single value, after the files: NAME=VALUE, controller:NAME=VALUE, plant:NAME=VALUE.
+    /// Single value, after the files: NAME=VALUE, controller:NAME=VALUE, plant:NAME=VALUE (or controller.NAME,
+    /// plant.NAME).
     #[arg(long = "set", value_name = "[SIDE:]NAME=VALUE")]
     assignments: Vec<Assignment>,
     /// Setpoints over time (CSV). Default: the angle at which the plant starts.
@@ -68,11 +70,12 @@ pub(super) struct Arguments {
     /// Connections, factors, offsets and roles (TOML). Default: outputs feed inputs of the same name.
     #[arg(long, value_name = "TOML")]
     connections: Option<PathBuf>,
-    /// End of the run in seconds. Default: the end of the setpoints, or the plant's own default.
-    #[arg(long, value_name = "SECONDS")]
+    /// End of the run in seconds. Default: the end of the setpoints, the last of which holds as long as the
+    /// longest before it, or else the plant's own default.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     until: Option<f64>,
     /// Communication step in seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.000_25)]
+    #[arg(long, value_name = "SECONDS", default_value_t = host::run::DEFAULT_STEP, allow_negative_numbers = true)]
     step: f64,
     /// Which FMU steps first.
     #[arg(long, value_enum, default_value_t = Order::Sequential)]
@@ -98,6 +101,8 @@ enum Order {
 
 /// Log messages that are shown.
 const SHOWN: usize = 20;
+/// Between two updates of the progress bar.
+const REDRAW: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     let simulation = Simulation {
@@ -126,8 +131,12 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {eta} left") {
         bar.set_style(style);
     }
+    let mut drawn = Instant::now();
     let outcome = simulate(&simulation, &mut |done| {
-        bar.set_position((done * 1000.0) as u64);
+        if drawn.elapsed() >= REDRAW {
+            drawn = Instant::now();
+            bar.set_position((done * 1000.0) as u64);
+        }
         if interrupted.load(Ordering::Relaxed) {
             ControlFlow::Break(())
         } else {
@@ -138,7 +147,8 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     let outcome = outcome?;
     report_messages(&outcome);
     if let Some(output) = output {
-        output.write(&outcome)?;
+        let report = output.write(&outcome)?;
+        let _ = writeln!(io::stderr(), "report: {}", report.display());
     }
     super::print(&format!("{}\n", outcome.summary.table()))
 }

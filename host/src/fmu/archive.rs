@@ -35,6 +35,8 @@ impl Default for Limits {
 #[derive(Debug)]
 #[allow(missing_docs, reason = "the fields are what Display prints")]
 pub enum Problem {
+    /// It is a folder.
+    Folder,
     /// The archive could not be read.
     Read(io::Error),
     /// An unpacked file could not be written.
@@ -60,6 +62,7 @@ pub enum Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Folder => f.write_str("is a folder, not an FMU, which is a zip file"),
             Self::Read(source) => write!(f, "cannot be read: {source}"),
             Self::Write { path, source } => {
                 write!(f, "cannot be unpacked to {}: {source}", path.display())
@@ -96,6 +99,9 @@ impl fmt::Display for Problem {
 /// On an error the folder may hold some of the entries; the caller removes it.
 pub fn unpack(archive: &Path, into: &Path, limits: &Limits) -> Result<(), Problem> {
     let file = File::open(archive).map_err(Problem::Read)?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        return Err(Problem::Folder);
+    }
     let mut zip = ZipArchive::new(io::BufReader::new(file))
         .map_err(|e| Problem::NotAnArchive(e.to_string()))?;
     if zip.len() > limits.entries {
@@ -354,6 +360,11 @@ mod tests {
         assert!(matches!(
             unpacked(&file, &Limits::default()),
             Err(Problem::NotAnArchive(_))
+        ));
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(
+            unpack(folder.path(), folder.path(), &Limits::default()),
+            Err(Problem::Folder)
         ));
         fs::write(file.path(), b"hello").unwrap();
         assert!(matches!(

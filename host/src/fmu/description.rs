@@ -4,6 +4,7 @@
 //! [`super::fmi3_description`] translate. Scalars are addressed by name: an array `a` of FMI 3.0 has the
 //! elements `a[1]`, `a[2]`, … (`a[1,2]` in two dimensions), which is how FMI 2.0 spells them too.
 
+use super::text::{short, similar};
 use super::value::{Kind, Value};
 use std::collections::HashMap;
 use std::fmt;
@@ -53,6 +54,9 @@ pub struct Item {
     pub value: i64,
 }
 
+/// Elements of an array that the host works with: 8 MiB of numbers.
+pub(super) const MAX_ELEMENTS: usize = 1 << 20;
+
 /// One variable: a scalar, or an array of FMI 3.0.
 #[derive(Clone, Debug)]
 pub struct Variable {
@@ -90,6 +94,16 @@ impl Variable {
         self.dimensions.iter().product()
     }
 
+    /// [`length`](Self::length), unless it overflows or is beyond [`MAX_ELEMENTS`]: dimensions come from
+    /// the file.
+    pub(super) fn elements(&self) -> Option<usize> {
+        let product = self
+            .dimensions
+            .iter()
+            .try_fold(1usize, |product, size| product.checked_mul(*size));
+        product.filter(|count| *count <= MAX_ELEMENTS)
+    }
+
     /// The declared start value of an element.
     pub fn start_of(&self, element: usize) -> Option<Value> {
         let text = match self.start.as_slice() {
@@ -101,8 +115,7 @@ impl Variable {
 
     /// The range for messages, like `[0, 1] rad`.
     pub fn range(&self) -> String {
-        let bound =
-            |bound: Option<f64>, open: &str| bound.map_or(open.to_owned(), |b| b.to_string());
+        let bound = |bound: Option<f64>, open: &str| bound.map_or(open.to_owned(), short);
         let unit = self
             .unit
             .as_deref()
@@ -286,20 +299,6 @@ impl Description {
     }
 }
 
-/// At most three of `names` that resemble `name`, the most similar first.
-pub(crate) fn similar<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut scored: Vec<_> = names
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(score, _)| *score > 0.8)
-        .collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored
-        .into_iter()
-        .take(3)
-        .map(|(_, n)| n.to_owned())
-        .collect()
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -380,10 +379,19 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn similar_names_are_suggested() {
-        let names = ["nmpc.horizon", "nmpc.period", "arm.inertia"];
-        assert_eq!(similar("nmpc.horizn", names.into_iter())[0], "nmpc.horizon");
-        assert!(similar("zzz", names.into_iter()).is_empty());
+    fn absurd_dimensions_are_no_length() {
+        let mut array = variable("a", Causality::Parameter);
+        for (dimensions, elements) in [
+            (vec![], Some(1)),
+            (vec![1 << 10, 1 << 10], Some(1 << 20)),
+            (vec![1 << 10, (1 << 10) + 1], None),
+            (vec![90_000_000_000], None),
+            (vec![1 << 32, 1 << 32], None),
+            (vec![usize::MAX, 2, 0], None),
+        ] {
+            array.dimensions = dimensions;
+            assert_eq!(array.elements(), elements, "{:?}", array.dimensions);
+        }
     }
 
     #[test]

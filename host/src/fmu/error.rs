@@ -19,6 +19,19 @@ pub enum Error {
     NoDescription { file: PathBuf, source: io::Error },
     /// `modelDescription.xml` is not what the standard asks for.
     Description { file: PathBuf, reason: String },
+    /// `modelDescription.xml` is too large.
+    DescriptionSize {
+        file: PathBuf,
+        size: u64,
+        limit: u64,
+    },
+    /// An array has more elements than the host works with.
+    ArraySize {
+        file: PathBuf,
+        name: String,
+        dimensions: Vec<usize>,
+        limit: usize,
+    },
     /// Two variables have the same name.
     DuplicateName { file: PathBuf, name: String },
     /// The FMU is of a version of the standard that the host does not know.
@@ -51,6 +64,13 @@ pub enum Error {
         file: PathBuf,
         instance: String,
         token: String,
+        log: Vec<Message>,
+    },
+    /// A call failed before the first step: the values that it was given are to blame.
+    SetUp {
+        instance: String,
+        function: &'static str,
+        status: Status,
         log: Vec<Message>,
     },
     /// A call failed.
@@ -115,6 +135,25 @@ impl fmt::Display for Error {
             }
             Self::Description { file, reason } => {
                 write!(f, "{}: modelDescription.xml: {reason}", file.display())
+            }
+            Self::DescriptionSize { file, size, limit } => write!(
+                f,
+                "{}: modelDescription.xml has {size} bytes, at most {limit} are admitted",
+                file.display()
+            ),
+            Self::ArraySize {
+                file,
+                name,
+                dimensions,
+                limit,
+            } => {
+                let size: Vec<_> = dimensions.iter().map(ToString::to_string).collect();
+                write!(
+                    f,
+                    "{}: modelDescription.xml: {name} has {} elements, at most {limit} are admitted",
+                    file.display(),
+                    size.join(" x ")
+                )
             }
             Self::DuplicateName { file, name } => write!(
                 f,
@@ -193,6 +232,20 @@ impl fmt::Display for Error {
                 }
                 lines(f, log)
             }
+            Self::SetUp {
+                instance,
+                function,
+                status,
+                log,
+            } => {
+                write!(f, "{instance} cannot be set up: ")?;
+                let reasons = reasons(log, function);
+                if reasons.is_empty() {
+                    write!(f, "{function} returned {status}")
+                } else {
+                    f.write_str(&reasons.join("; "))
+                }
+            }
             Self::Call {
                 instance,
                 function,
@@ -238,6 +291,19 @@ impl fmt::Display for Error {
             }
         }
     }
+}
+
+/// What the log says of a failed call, without the function's name that some FMUs begin with.
+fn reasons<'a>(log: &'a [Message], function: &str) -> Vec<&'a str> {
+    let text = |message: &'a Message| {
+        let rest = message.text.strip_prefix(function);
+        rest.and_then(|rest| rest.strip_prefix(": "))
+            .unwrap_or(&message.text)
+    };
+    log.iter()
+        .filter(|m| !matches!(m.status, Status::Ok | Status::Warning | Status::Pending))
+        .map(text)
+        .collect()
 }
 
 /// The log, a line for each message.

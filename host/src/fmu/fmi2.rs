@@ -28,6 +28,7 @@ function_table! { Functions:
     fmi2SetString: fmi2SetStringTYPE,
     fmi2DoStep: fmi2DoStepTYPE,
     } optional {
+    fmi2SetDebugLogging: fmi2SetDebugLoggingTYPE,
     fmi2GetStatus: fmi2GetStatusTYPE,
     fmi2GetRealStatus: fmi2GetRealStatusTYPE,
     fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE,
@@ -135,6 +136,11 @@ fn no_such_type<T>() -> Result<T, Failed> {
 }
 
 impl Interface for Instance {
+    fn log_only(&mut self, categories: &[CString]) -> Result<(), Failed> {
+        let pointers: Vec<_> = categories.iter().map(|c| c.as_ptr()).collect();
+        call!(self.fmi2SetDebugLogging(fmi2True, pointers.len(), pointers.as_ptr()))
+    }
+
     fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Failed> {
         call!(self.fmi2SetupExperiment(
             fmi2Boolean::from(experiment.tolerance.is_some()),

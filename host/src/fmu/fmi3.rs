@@ -20,6 +20,7 @@ function_table! { Functions:
     fmi3SetFloat64: fmi3SetFloat64TYPE,
     fmi3DoStep: fmi3DoStepTYPE,
     } optional {
+    fmi3SetDebugLogging: fmi3SetDebugLoggingTYPE,
     fmi3GetFloat32: fmi3GetFloat32TYPE,
     fmi3GetInt8: fmi3GetInt8TYPE,
     fmi3GetUInt8: fmi3GetUInt8TYPE,
@@ -95,6 +96,11 @@ impl Instance {
 }
 
 impl Interface for Instance {
+    fn log_only(&mut self, categories: &[CString]) -> Result<(), Failed> {
+        let pointers: Vec<_> = categories.iter().map(|c| c.as_ptr()).collect();
+        call!(self.fmi3SetDebugLogging(fmi3True, pointers.len(), pointers.as_ptr()))
+    }
+
     fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Failed> {
         call!(self.fmi3EnterInitializationMode(
             fmi3Boolean::from(experiment.tolerance.is_some()),

@@ -23,6 +23,8 @@ pub struct Instance {
     interface: Option<Box<dyn Interface>>,
     states: Vec<StatePointer>,
     time: Option<f64>,
+    /// Whether Initialization Mode is over.
+    set_up: bool,
     failed: bool,
     environment: Arc<Environment>,
     binary: Arc<Binary>,
@@ -58,6 +60,7 @@ impl Instance {
             interface: Some(interface),
             states: Vec::new(),
             time: None,
+            set_up: false,
             failed: false,
             environment,
             binary,
@@ -110,6 +113,14 @@ impl Instance {
                 }
                 // Discard leaves the instance as it was.
                 self.failed |= status != Status::Discard;
+                if !self.set_up && status != Status::Fatal {
+                    return Error::SetUp {
+                        instance,
+                        function,
+                        status,
+                        log,
+                    };
+                }
                 Error::Call {
                     instance,
                     function,
@@ -170,7 +181,9 @@ impl Instance {
 
     /// Leaves Initialization Mode: steps may follow.
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
-        self.call(|i| i.exit_initialization())
+        self.call(|i| i.exit_initialization())?;
+        self.set_up = true;
+        Ok(())
     }
 
     pub(super) fn get(&mut self, references: &[u32], values: &mut Buffer) -> Result<(), Error> {
@@ -214,6 +227,7 @@ impl Instance {
     pub fn reset(&mut self) -> Result<(), Error> {
         self.call(|i| i.reset())?;
         self.time = None;
+        self.set_up = false;
         self.failed = false;
         Ok(())
     }

@@ -23,6 +23,8 @@ pub struct Experiment {
 
 /// One instance for Co-Simulation. Dropping it frees the instance.
 pub(super) trait Interface {
+    /// Asks for the messages of these categories only.
+    fn log_only(&mut self, categories: &[CString]) -> Result<(), Failed>;
     /// Sets the experiment up and enters Initialization Mode.
     fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Failed>;
     /// Leaves Initialization Mode: steps may follow.

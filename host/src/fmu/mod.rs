@@ -36,10 +36,10 @@ mod platform;
 mod reader;
 mod signals;
 mod status;
+mod text;
 mod value;
 
 pub use archive::{Limits, Problem};
-pub(crate) use description::similar;
 #[cfg(test)]
 pub(crate) use description::tests as description_tests;
 pub use description::{
@@ -53,16 +53,27 @@ pub use log::Message;
 pub(crate) use reader::describe;
 pub use signals::Signals;
 pub use status::Status;
+pub use text::short;
+pub(crate) use text::similar;
 pub use value::{Buffer, Kind, Value};
 
 use self::log::Environment;
+use self::status::Failed;
 use libloading::Library;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use tempfile::TempDir;
+
+/// Categories of both standards for messages that are no debug messages.
+const WARNINGS: [&CStr; 4] = [
+    c"logStatusWarning",
+    c"logStatusDiscard",
+    c"logStatusError",
+    c"logStatusFatal",
+];
 
 /// An FMU: unpacked and described, its binary loaded when it is first instantiated.
 ///
@@ -147,7 +158,8 @@ impl Fmu {
         platform::present(self.folder())
     }
 
-    /// Makes an instance for Co-Simulation. `logging` asks for debug messages too; errors are logged anyway.
+    /// Makes an instance for Co-Simulation. `logging` asks for debug messages too. Warnings and errors are
+    /// asked for anyway, if the FMU declares the standard's categories for them.
     pub fn instantiate(&self, name: &str, logging: bool) -> Result<Instance, Error> {
         let description = self.description();
         if description.co_simulation.is_none() {
@@ -167,6 +179,31 @@ impl Fmu {
             // Some FMUs say why only when they are asked to log.
             interface = self.interface(&binary, name, true, &environment)?;
         }
+        if let (false, Some(made)) = (logging, &mut interface) {
+            match self.ask_for_warnings(made.as_mut()) {
+                Ok(()) => {}
+                Err(Failed::Status(function, status @ Status::Fatal)) => {
+                    self.0.fatal.store(true, Ordering::Relaxed);
+                    if let Some(made) = interface {
+                        made.abandon();
+                    }
+                    // Unloading would run code of the binary too.
+                    std::mem::forget(binary);
+                    return Err(Error::Call {
+                        instance: name.to_owned(),
+                        function,
+                        status,
+                        time: None,
+                        log: environment.log.last(10),
+                    });
+                }
+                // It may be in an error state now: a fresh one without that call.
+                Err(_) => {
+                    drop(interface.take());
+                    interface = self.interface(&binary, name, false, &environment)?;
+                }
+            }
+        }
         match interface {
             Some(interface) => Ok(Instance::new(
                 name,
@@ -181,6 +218,24 @@ impl Fmu {
                 token: description.token.clone(),
                 log: environment.log.last(10),
             }),
+        }
+    }
+
+    /// FMUs that were instantiated without logging may keep their warnings to themselves (FMI 2.0.4 sec
+    /// 2.1.5, FMI 3.0 sec 2.3.1): asked for by category they come without the debug messages.
+    fn ask_for_warnings(&self, instance: &mut dyn interface::Interface) -> Result<(), Failed> {
+        let declared = &self.description().log_categories;
+        let categories: Vec<_> = WARNINGS
+            .iter()
+            .filter(|category| declared.iter().any(|d| d.as_bytes() == category.to_bytes()))
+            .map(|&category| category.to_owned())
+            .collect();
+        if categories.is_empty() {
+            return Ok(());
+        }
+        match instance.log_only(&categories) {
+            Err(Failed::Missing(_)) => Ok(()),
+            outcome => outcome,
         }
     }
 

@@ -1,18 +1,30 @@
 //! Reads `modelDescription.xml` of either version.
 
-use super::description::{DefaultExperiment, Description};
+use super::description::{DefaultExperiment, Description, MAX_ELEMENTS};
 use super::{Error, fmi2_description, fmi3_description};
 use fmi_rs::model_description::ValidationError;
 use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+/// Bytes of a description: ten times the largest that is shipped in practice, and what parsers take in memory.
+const MAX_SIZE: u64 = 64 << 20;
+
 /// Reads the description of the FMU `file`, unpacked to `xml`.
 pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
-    let bytes = fs::read(xml).map_err(|source| Error::NoDescription {
+    let missing = |source| Error::NoDescription {
         file: file.to_owned(),
         source,
-    })?;
+    };
+    let size = fs::metadata(xml).map_err(missing)?.len();
+    if size > MAX_SIZE {
+        return Err(Error::DescriptionSize {
+            file: file.to_owned(),
+            size,
+            limit: MAX_SIZE,
+        });
+    }
+    let bytes = fs::read(xml).map_err(missing)?;
     let text = decode(bytes);
     let wrong = |reason: String| Error::Description {
         file: file.to_owned(),
@@ -31,6 +43,14 @@ pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
     };
     let mut description = parsed.map_err(|e| wrong(e.to_string()))?;
     for (position, variable) in description.variables.iter().enumerate() {
+        if variable.elements().is_none() {
+            return Err(Error::ArraySize {
+                file: file.to_owned(),
+                name: variable.name.clone(),
+                dimensions: variable.dimensions.clone(),
+                limit: MAX_ELEMENTS,
+            });
+        }
         if description
             .index
             .insert(variable.name.clone(), position)

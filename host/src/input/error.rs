@@ -137,11 +137,19 @@ pub enum Error {
         value: f64,
         previous: Option<f64>,
     },
+    /// Setpoints are given that have no meaning for the pair.
+    Purposeless {
+        file: String,
+        missing: &'static str,
+        swapped: bool,
+    },
+    /// Several mistakes of one kind.
+    Several(Vec<Self>),
     /// A setpoint file without rows.
     NoRows { place: Place },
     /// A setting of the run is out of range.
     Setting {
-        name: &'static str,
+        name: String,
         value: String,
         expected: String,
     },
@@ -288,6 +296,25 @@ impl fmt::Display for Error {
                     "{place}: time = {value} s: the first row must hold at the start, time 0 s"
                 ),
             },
+            Self::Purposeless {
+                file,
+                missing,
+                swapped,
+            } => {
+                let hint = if *swapped {
+                    "are controller and plant exchanged?"
+                } else {
+                    "name it in a file for --connections"
+                };
+                write!(f, "{file}: {missing}: {hint}")
+            }
+            Self::Several(errors) => {
+                for (i, error) in errors.iter().enumerate() {
+                    let separator = if i == 0 { "" } else { "\n  " };
+                    write!(f, "{separator}{error}")?;
+                }
+                Ok(())
+            }
             Self::NoRows { place } => write!(f, "{place}: no rows"),
             Self::Setting {
                 name,

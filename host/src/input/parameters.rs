@@ -40,7 +40,8 @@ impl FromStr for ParameterFile {
     }
 }
 
-/// A single value: `NAME=VALUE`, `controller:NAME=VALUE`, `plant:NAME=VALUE`.
+/// A single value: `NAME=VALUE`, `controller:NAME=VALUE`, `plant:NAME=VALUE`. A point does for the colon, unless
+/// the FMUs have a variable that is called so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Assignment {
     /// None: the value goes to every FMU that has the name.
@@ -108,10 +109,17 @@ impl StartValues {
             }
         }
         let place = Place::new("--set", None);
+        let mut errors = Vec::new();
         for a in assignments {
-            values.give(pair, &place, a.side, &a.name, &a.value, None)?;
+            if let Err(error) = values.give(pair, &place, a.side, &a.name, &a.value, None) {
+                errors.push(error);
+            }
         }
-        Ok(values)
+        match errors.len() {
+            0 => Ok(values),
+            1 => Err(errors.remove(0)),
+            _ => Err(Error::Several(errors)),
+        }
     }
 
     /// Values for one FMU.
@@ -191,6 +199,15 @@ impl StartValues {
         if let Some(refusal) = refusal {
             return Err(refusal);
         }
+        // Connections spell it `plant.NAME`; here that counts if no variable has that very name.
+        if side.is_none() {
+            for side in [Side::Controller, Side::Plant] {
+                let bare = name.strip_prefix(&side.to_string());
+                if let Some(bare) = bare.and_then(|rest| rest.strip_prefix('.')) {
+                    return self.give(pair, place, Some(side), bare, text, unit);
+                }
+            }
+        }
         let names = || {
             let variables = sides.iter().flat_map(|&s| &pair.of(s).variables);
             variables.filter(|v| v.settable).map(|v| v.name.as_str())
@@ -249,129 +266,4 @@ fn checked(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::tests::contract;
-    use super::*;
-    use std::io::Write;
-
-    fn read(files: &[ParameterFile], sets: &[&str]) -> Result<(StartValues, Vec<f64>), String> {
-        let (controller, plant) = (contract("controller"), contract("plant"));
-        let pair = Pair {
-            controller: &controller,
-            plant: &plant,
-        };
-        let sets: Vec<_> = sets.iter().map(|s| s.parse().unwrap()).collect();
-        let values = StartValues::read(pair, files, &sets).map_err(|e| e.to_string())?;
-        let numbers = [
-            (Side::Controller, "arm.inertia"),
-            (Side::Plant, "arm.inertia"),
-            (Side::Controller, "feedback.law"),
-            (Side::Plant, "arm.cogging_cos[2]"),
-        ];
-        let numbers = numbers.map(|(side, name)| values.number(pair, side, name).unwrap());
-        Ok((values, numbers.to_vec()))
-    }
-
-    fn ssv(parameters: &str) -> tempfile::NamedTempFile {
-        let mut file = tempfile::NamedTempFile::with_suffix(".ssv").unwrap();
-        write!(
-            file,
-            r#"<?xml version="1.0" encoding="UTF-8"?>
-<ssv:ParameterSet version="1.0" name="p"
-  xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
-<ssv:Parameters>
-{parameters}
-</ssv:Parameters>
-<ssv:Units><ssc:Unit name="kg.m2"><ssc:BaseUnit kg="1" m="2" rad="-1"/></ssc:Unit>
-<ssc:Unit name="rad"><ssc:BaseUnit rad="1"/></ssc:Unit></ssv:Units>
-</ssv:ParameterSet>"#
-        )
-        .unwrap();
-        file
-    }
-
-    fn file(ssv: &tempfile::NamedTempFile, side: &str) -> ParameterFile {
-        format!("{side}{}", ssv.path().display()).parse().unwrap()
-    }
-
-    const INERTIA: &str = r#"<ssv:Parameter name="arm.inertia"><ssv:Real value="0.09" unit="kg.m2"/></ssv:Parameter>"#;
-
-    #[test]
-    fn later_values_win_and_sides_are_kept_apart() {
-        assert_eq!(read(&[], &[]).unwrap().1, [0.0818, 0.0818, 1.0, -0.2366]);
-        let heavy = ssv(INERTIA);
-        let both = file(&heavy, "");
-        assert_eq!(
-            read(std::slice::from_ref(&both), &[]).unwrap().1[..2],
-            [0.09, 0.09]
-        );
-        assert_eq!(
-            read(&[file(&heavy, "plant=")], &[]).unwrap().1[..2],
-            [0.0818, 0.09]
-        );
-        let sets = [
-            "controller:arm.inertia=0.1",
-            "feedback.law=lqri",
-            "arm.cogging_cos[2]=1",
-        ];
-        let (values, numbers) = read(&[both], &sets).unwrap();
-        assert_eq!(numbers, [0.1, 0.09, 2.0, 1.0]);
-        assert_eq!(values.of(Side::Controller).len(), 3);
-    }
-
-    #[test]
-    fn mistakes_are_named() {
-        let error = |files: &[ParameterFile], sets: &[&str]| read(files, sets).unwrap_err();
-        let ends = |message: String, end: &str| assert!(message.ends_with(end), "{message}");
-        let begins =
-            |message: String, begin: &str| assert!(message.starts_with(begin), "{message}");
-        begins(
-            error(&[], &["nmpc.horizn=40"]),
-            "--set: neither FMU has a variable nmpc.horizn, did you mean nmpc.horizon?",
-        );
-        ends(
-            error(&[], &["nmpc.horizon=1"]),
-            "nmpc.horizon = 1: must be in [2, 400]",
-        );
-        ends(
-            error(&[], &["arm.inertia=-1"]),
-            "arm.inertia = -1: must be in [0.000000001, 1000000] kg.m2",
-        );
-        ends(
-            error(&[], &["feedback.law=lqg"]),
-            "expected one of lqr, lqri, pid",
-        );
-        ends(
-            error(&[], &["nmpc.horizon=4.5"]),
-            "expected an integer from -2147483648 to 2147483647",
-        );
-        ends(
-            error(&[], &["arm.inertia=heavy"]),
-            "arm.inertia = \"heavy\": expected a finite number",
-        );
-        ends(
-            error(&[], &["velocity=1"]),
-            "plant.velocity is an output that cannot be set",
-        );
-        assert!(read(&[], &["torque=1"]).is_ok(), "an input of the plant");
-        ends(
-            error(&[], &["arm.cogging_cos=1"]),
-            "arm.cogging_cos[1] to arm.cogging_cos[9]",
-        );
-        let wrong = ssv(&INERTIA.replace("kg.m2", "rad"));
-        ends(
-            error(&[file(&wrong, "")], &[]),
-            ":6: arm.inertia is given in rad, but its unit is kg.m2",
-        );
-        let typo = ssv(&INERTIA.replace("inertia", "inertya"));
-        assert!(
-            error(&[file(&typo, "plant=")], &[])
-                .contains(":6: plant has no variable arm.inertya, did you mean arm.inertia?")
-        );
-        assert!("x".parse::<Assignment>().is_err());
-        for text in ["plant:a=1", "a=b"] {
-            assert_eq!(text.parse::<Assignment>().unwrap().to_string(), text);
-        }
-    }
-}
+mod tests;

@@ -6,7 +6,7 @@
 //! a finite number, setpoints in the unit of the plant's angle (rad).
 
 use super::{Error, Pair, Place, Side, read_text};
-use crate::fmu::{Causality, Scalar};
+use crate::fmu::{Causality, Scalar, short};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
@@ -151,7 +151,11 @@ impl Table {
         if let Some(AngleLimits { lower, upper }) = limits
             && !(lower..=upper).contains(&values[0])
         {
-            let range = format!("[{lower}, {upper}] rad, the limits of the angle");
+            let range = format!(
+                "[{}, {}] rad, the limits of the angle",
+                short(lower),
+                short(upper)
+            );
             return Err(out_of_range("setpoint", values[0], range));
         }
         for (&(side, scalar), &value) in self.inputs.iter().zip(&values[1..]) {
@@ -169,13 +173,11 @@ impl Table {
         Ok(())
     }
 
-    /// How long the table lasts \[s\]: to the end of its last row, which is taken to hold as long as the one
-    /// before. None for a single row.
+    /// How long the table lasts \[s\]: to the end of its last row, which is taken to hold as long as the
+    /// longest before it. None for a single row.
     pub fn duration(&self) -> Option<f64> {
-        match self.rows.as_slice() {
-            [.., before, last] => Some(2.0 * last.time - before.time),
-            _ => None,
-        }
+        let held = self.rows.windows(2).map(|w| w[1].time - w[0].time);
+        Some(self.rows.last()?.time + held.reduce(f64::max)?)
     }
 
     /// When the setpoint changes for the first time \[s\].
@@ -264,6 +266,8 @@ mod tests {
         );
         assert_eq!(table.duration(), Some(2.5));
         assert_eq!(table.first_change(), Some(1.5));
+        let pulse = read("time,setpoint\n0,1\n0.5,1.1\n0.50001,1\n").unwrap();
+        assert_eq!(pulse.duration(), Some(0.50001 + 0.5));
         let one = read("\u{feff}time,setpoint\r\n0,1.0\r\n").unwrap();
         assert_eq!((one.duration(), one.first_change()), (None, None));
     }

@@ -1,6 +1,7 @@
 //! Writes a run to a folder: `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs logged.
 //!
-//! Files appear whole or not at all: they are written beside the folder and moved when all are complete.
+//! Files appear whole or not at all: they are written beside the folder and moved when all are complete. A run
+//! that fails leaves no folders either.
 
 mod decimate;
 mod report;
@@ -19,12 +20,43 @@ use tempfile::TempDir;
 pub struct OutputFolder {
     path: PathBuf,
     partial: TempDir,
+    // Last: what is made for the partial files can go only after them.
+    made: Made,
 }
+
+/// Folders that were made on the way and go again if they are still empty in the end.
+#[derive(Debug, Default)]
+struct Made(Vec<PathBuf>);
+
+impl Made {
+    /// Makes `folder` with all its parents.
+    fn folder(&mut self, folder: &Path) -> io::Result<()> {
+        let missing: Vec<_> = folder.ancestors().take_while(|f| !f.exists()).collect();
+        self.0
+            .extend(missing.into_iter().rev().map(Path::to_path_buf));
+        fs::create_dir_all(folder)
+    }
+}
+
+impl Drop for Made {
+    fn drop(&mut self) {
+        for folder in self.0.iter().rev() {
+            // Fails for folders that hold something by now: those stay.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// What a run may write.
+const RESULTS: &str = "results.csv";
+const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
+const LOG: &str = "log.txt";
 
 impl OutputFolder {
     /// Checks that `path` can be written. An existing folder keeps its other files.
     pub fn prepare(path: &Path) -> Result<Self, Error> {
-        let failed = |source| Error::Output {
+        let failed = |source| Error::OutputFolder {
             path: path.to_owned(),
             source,
         };
@@ -38,43 +70,51 @@ impl OutputFolder {
         } else {
             path.parent().unwrap_or(&path)
         };
-        fs::create_dir_all(beside).map_err(failed)?;
+        check_targets(&path).map_err(failed)?;
+        let mut made = Made::default();
+        made.folder(beside).map_err(failed)?;
         let partial = tempfile::Builder::new()
             .prefix(".flexarm-")
             .tempdir_in(beside)
             .map_err(failed)?;
-        Ok(Self { path, partial })
-    }
-
-    /// Writes all files. On an error none of them appears.
-    pub fn write(self, outcome: &Outcome) -> Result<(), Error> {
-        self.write_files(outcome).map_err(|source| Error::Output {
-            path: self.path.clone(),
-            source,
+        Ok(Self {
+            path,
+            partial,
+            made,
         })
     }
 
-    fn write_files(&self, outcome: &Outcome) -> io::Result<()> {
+    /// Writes all files and returns the path of the report. On an error none of them appears.
+    pub fn write(mut self, outcome: &Outcome) -> Result<PathBuf, Error> {
+        self.write_files(outcome).map_err(|source| Error::Output {
+            path: self.path.clone(),
+            source,
+        })?;
+        Ok(self.path.join(REPORT))
+    }
+
+    fn write_files(&mut self, outcome: &Outcome) -> io::Result<()> {
         let file = |name: &str| self.partial.path().join(name);
-        write_csv(&outcome.recording, &file("results.csv"))?;
+        write_csv(&outcome.recording, &file(RESULTS))?;
         let mut json = serde_json::to_string_pretty(&outcome.summary)?;
         json.push('\n');
-        fs::write(file("summary.json"), json)?;
-        fs::write(file("report.html"), report::html(outcome))?;
+        fs::write(file(SUMMARY), json)?;
+        fs::write(file(REPORT), report::html(outcome))?;
         let mut log = String::new();
         for (side, message) in &outcome.messages {
             let _ = writeln!(log, "{side}: {}: {message}", message.status);
         }
         if !log.is_empty() {
-            fs::write(file("log.txt"), log)?;
+            fs::write(file(LOG), log)?;
         }
         self.publish()
     }
 
-    fn publish(&self) -> io::Result<()> {
-        fs::create_dir_all(&self.path)?;
+    fn publish(&mut self) -> io::Result<()> {
+        check_targets(&self.path)?;
+        self.made.folder(&self.path)?;
         // The only file that not every run writes: one of an earlier run would pass for this one's.
-        match fs::remove_file(self.path.join("log.txt")) {
+        match fs::remove_file(self.path.join(LOG)) {
             Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
             _ => {}
         }
@@ -84,6 +124,17 @@ impl OutputFolder {
         }
         Ok(())
     }
+}
+
+/// Whether files can take their places in `folder`: found out before the first one does.
+fn check_targets(folder: &Path) -> io::Result<()> {
+    for name in [RESULTS, SUMMARY, REPORT, LOG] {
+        if folder.join(name).is_dir() {
+            let why = format!("{name} is a folder there");
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, why));
+        }
+    }
+    Ok(())
 }
 
 /// All rows; numbers read back exactly.
@@ -177,8 +228,30 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         drop(OutputFolder::prepare(&folder.path().join("out")).unwrap());
         assert!(names(folder.path()).is_empty());
+        drop(OutputFolder::prepare(&folder.path().join("deep/deeper/out")).unwrap());
+        assert!(names(folder.path()).is_empty());
         fs::write(folder.path().join("file"), "").unwrap();
         assert!(OutputFolder::prepare(&folder.path().join("file")).is_err());
         assert!(OutputFolder::prepare(&folder.path().join("file/below")).is_err());
+        assert_eq!(names(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn a_target_that_cannot_be_replaced_keeps_all_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = OutputFolder::prepare(folder.path()).unwrap();
+        fs::write(folder.path().join(RESULTS), "old").unwrap();
+        fs::create_dir(folder.path().join(SUMMARY)).unwrap();
+        let message = output.write(&outcome(3)).unwrap_err().to_string();
+        assert!(
+            message.ends_with("summary.json is a folder there"),
+            "{message}"
+        );
+        assert_eq!(names(folder.path()), [RESULTS, SUMMARY]);
+        assert_eq!(
+            fs::read_to_string(folder.path().join(RESULTS)).unwrap(),
+            "old"
+        );
+        assert!(OutputFolder::prepare(folder.path()).is_err());
     }
 }

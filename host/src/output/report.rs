@@ -4,7 +4,7 @@ use super::decimate;
 use crate::input::roles::Role;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
-use plotly::common::{HoverInfo, Line, LineShape, Mode, Orientation, Title};
+use plotly::common::{DashType, HoverInfo, Line, LineShape, Mode, Orientation, Title};
 use plotly::configuration::Configuration;
 use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin, RangeMode};
 use plotly::{Plot, Scatter};
@@ -15,11 +15,20 @@ const POINTS: usize = 6000;
 /// Height of one panel \[px\].
 const PANEL: usize = 260;
 
-const INK: &str = "#1f3a5f";
-const ORANGE: &str = "#d97706";
-const GREEN: &str = "#2f855a";
-const GREY: &str = "#6b7280";
-const RED: &str = "#b91c1c";
+// One for each trace: the panels share a legend.
+const SETPOINT: &str = "#9ca3af";
+const ANGLE: &str = "#1f3a5f";
+const REFERENCE: &str = "#f59e0b";
+const LOWER: &str = "#dc2626";
+const UPPER: &str = "#991b1b";
+const ERROR: &str = "#7c3aed";
+const TORQUE: &str = "#0891b2";
+const FEEDFORWARD: &str = "#16a34a";
+const FEEDBACK: &str = "#db2777";
+const HEAT: &str = "#92400e";
+const HEAT_LIMIT: &str = "#f87171";
+const STATUS: &str = "#4d7c0f";
+const ITERATIONS: &str = "#6366f1";
 
 /// A plot of some signals over time.
 struct Panel {
@@ -38,7 +47,16 @@ struct Trace {
     values: Vec<f64>,
     /// Held between samples rather than joined.
     steps: bool,
-    dashed: bool,
+    dash: Dash,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Dash {
+    Solid,
+    /// On top of a line that it nearly covers.
+    Dashed,
+    /// A limit: thin and without a label under the pointer.
+    Limit,
 }
 
 /// The page.
@@ -119,28 +137,41 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         time: span.clone(),
         values: vec![value; span.len()],
         steps: false,
-        dashed: true,
+        dash: Dash::Limit,
     };
     let role = |role, name, color| Some(trace(&time, recording.role(role)?, name, color, false));
     let held = |role, name, color| Some(trace(&time, recording.role(role)?, name, color, true));
 
-    let mut angle = vec![trace(&time, recording.column(1), "setpoint", GREY, true)];
-    angle.extend(role(Role::ReferenceAngle, "reference", ORANGE));
-    angle.extend(role(Role::Angle, "angle", INK));
+    let mut angle = vec![trace(
+        &time,
+        recording.column(1),
+        "setpoint",
+        SETPOINT,
+        true,
+    )];
+    angle.extend(role(Role::Angle, "angle", ANGLE));
+    angle.extend(role(Role::ReferenceAngle, "reference", REFERENCE).map(dashed));
     if let Some(limits) = outcome.angle_limits {
-        angle.push(line("lower limit", RED, limits.lower));
-        angle.push(line("upper limit", RED, limits.upper));
+        angle.push(line("lower limit", LOWER, limits.lower));
+        angle.push(line("upper limit", UPPER, limits.upper));
     }
+    let error = recording
+        .role(Role::Angle)
+        .zip(recording.role(Role::ReferenceAngle));
+    let error = error.map(|(angle, reference)| {
+        let values = angle.iter().zip(&reference).map(|(a, r)| 1e3 * (a - r));
+        trace(&time, values.collect(), "tracking error", ERROR, false)
+    });
     let torque = [
-        role(Role::Torque, "torque", INK),
-        role(Role::FeedforwardTorque, "feedforward", GREEN),
-        role(Role::FeedbackTorque, "feedback", ORANGE),
+        role(Role::Torque, "torque", TORQUE),
+        role(Role::FeedforwardTorque, "feedforward", FEEDFORWARD).map(dashed),
+        role(Role::FeedbackTorque, "feedback", FEEDBACK),
     ];
-    let mut thermal: Vec<_> = role(Role::ThermalLoad, "thermal load", INK)
+    let mut thermal: Vec<_> = role(Role::ThermalLoad, "thermal load", HEAT)
         .into_iter()
         .collect();
     if let (Some(limit), false) = (outcome.thermal_limit, thermal.is_empty()) {
-        thermal.push(line("limit of the thermal load", RED, limit));
+        thermal.push(line("limit of the thermal load", HEAT_LIMIT, limit));
     }
     let panel = |title, traces| Panel {
         title,
@@ -150,23 +181,24 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
     };
     let mut panels = vec![
         panel("angle [rad]", angle),
+        panel("angle - reference [mrad]", error.into_iter().collect()),
         panel("torque [N.m]", torque.into_iter().flatten().collect()),
         panel("thermal load [A2]", thermal),
         panel(
             "plan status",
-            held(Role::PlanStatus, "plan status", INK)
+            held(Role::PlanStatus, "plan status", STATUS)
                 .into_iter()
                 .collect(),
         ),
         panel(
             "iterations",
-            held(Role::PlanIterations, "iterations per plan", INK)
+            held(Role::PlanIterations, "iterations per plan", ITERATIONS)
                 .into_iter()
                 .collect(),
         ),
     ];
-    panels[3].ticks = status_names(recording);
-    panels[4].from_zero = true;
+    panels[4].ticks = status_names(recording);
+    panels[5].from_zero = true;
     panels.retain(|panel| !panel.traces.is_empty());
     panels
 }
@@ -199,7 +231,14 @@ fn trace(
         time: positions.iter().map(|&i| time[i]).collect(),
         values: positions.iter().map(|&i| values[i]).collect(),
         steps,
-        dashed: false,
+        dash: Dash::Solid,
+    }
+}
+
+fn dashed(trace: Trace) -> Trace {
+    Trace {
+        dash: Dash::Dashed,
+        ..trace
     }
 }
 
@@ -228,15 +267,17 @@ fn plot(panels: &[Panel]) -> Plot {
             if trace.steps {
                 line = line.shape(LineShape::Hv);
             }
-            if trace.dashed {
-                line = line.dash(plotly::common::DashType::Dash).width(1.0);
-            }
+            line = match trace.dash {
+                Dash::Solid => line,
+                Dash::Dashed => line.dash(DashType::Dash),
+                Dash::Limit => line.dash(DashType::Dot).width(1.0),
+            };
             let mut scatter = Scatter::new(trace.time.clone(), trace.values.clone())
                 .name(trace.name)
                 .mode(Mode::Lines)
                 .line(line)
                 .y_axis(&name);
-            if trace.dashed {
+            if trace.dash == Dash::Limit {
                 scatter = scatter.hover_info(HoverInfo::Skip);
             }
             plot.add_trace(scatter);
@@ -263,7 +304,8 @@ fn plot(panels: &[Panel]) -> Plot {
             1 => layout.y_axis2(axis),
             2 => layout.y_axis3(axis),
             3 => layout.y_axis4(axis),
-            _ => layout.y_axis5(axis),
+            4 => layout.y_axis5(axis),
+            _ => layout.y_axis6(axis),
         };
     }
     let anchor = if count == 1 {

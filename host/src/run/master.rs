@@ -12,9 +12,6 @@ use crate::input::setpoints::Table;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Communication points between two reports of progress.
-const REPORT_EVERY: usize = 256;
-
 pub(super) struct Master {
     plan: Plan,
     row: Vec<f64>,
@@ -86,7 +83,7 @@ impl Master {
         let Instances { controller, plant } = instances;
         for k in 0..steps {
             let time = k as f64 * self.step;
-            if k % REPORT_EVERY == 0 && progress(k as f64 / steps as f64).is_break() {
+            if progress(k as f64 / steps as f64).is_break() {
                 return Err(Error::Interrupted { time });
             }
             self.apply_schedule(k);
@@ -111,9 +108,13 @@ impl Master {
         }
         self.read_plant(plant)?;
         self.scorer.last(&self.row);
-        // The run is over: nothing is left to stop.
-        let _ = progress(1.0);
-        Ok(())
+        // Who stops a run during its last step wants no result either.
+        match progress(1.0) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Interrupted {
+                time: steps as f64 * self.step,
+            }),
+        }
     }
 
     pub(super) fn finish(self) -> (Score, Recording, Duration) {

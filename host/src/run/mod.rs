@@ -13,6 +13,7 @@
 //! # }
 //! ```
 
+mod checks;
 mod master;
 mod plan;
 pub mod recording;
@@ -25,7 +26,7 @@ use crate::input::connections::{Source, Wiring};
 use crate::input::parameters::{Assignment, ParameterFile, StartValues};
 use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Table};
-use crate::input::{self, Pair, Side};
+use crate::input::{Pair, Side};
 use master::Master;
 use plan::Plan;
 use recording::Recording;
@@ -55,6 +56,9 @@ impl std::fmt::Display for Order {
         })
     }
 }
+
+/// Communication step unless another one is given \[s\].
+pub const DEFAULT_STEP: f64 = 0.000_25;
 
 /// What to run. Runs start at time 0.
 #[derive(Clone, Debug)]
@@ -95,7 +99,7 @@ impl Simulation {
             setpoints: None,
             connections: None,
             until: None,
-            step: 0.000_25,
+            step: DEFAULT_STEP,
             order: Order::Sequential,
             record_every: 1,
             logging: false,
@@ -124,8 +128,8 @@ pub struct Outcome {
     pub messages: Vec<(Side, Message)>,
 }
 
-/// Opens both FMUs and runs them. `progress` is told now and then which fraction of the run is done, and may
-/// stop it.
+/// Opens both FMUs and runs them. `progress` is told before every step, and at the end, which fraction of the
+/// run is done, and may stop it: it must be quick.
 pub fn simulate(
     simulation: &Simulation,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
@@ -153,7 +157,8 @@ pub fn simulate_opened(
         Some(path) => Some(Table::read(path, pair, limits)?),
         None => None,
     };
-    let steps = steps(simulation, pair, table.as_ref())?;
+    let steps = checks::steps(simulation, pair, table.as_ref())?;
+    checks::setpoint_and_angle(simulation, pair, &wiring)?;
     let experiment = Experiment {
         stop: Some(steps as f64 * simulation.step),
         ..Experiment::default()
@@ -185,10 +190,19 @@ pub fn simulate_opened(
         thermal_limit,
         plan_period: values.number(pair, Side::Controller, "nmpc.period"),
     };
-    let mut warnings = warnings(pair, &wiring, simulation.step);
+    let end = steps as f64 * simulation.step;
+    let mut warnings = wiring.warnings.clone();
+    warnings.extend(checks::wiring(pair, &wiring));
+    warnings.extend(checks::descriptions(pair, simulation.step));
+    warnings.extend(checks::periods(pair, &values, simulation.step));
     warnings.extend(plan.warnings.iter().cloned());
+    if terms.first >= steps {
+        warnings.push(format!(
+            "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"
+        ));
+    }
     let rows = steps.div_ceil(simulation.record_every);
-    check_size(rows, plan.columns.len())?;
+    checks::size(rows, plan.columns.len())?;
     let begin = Instant::now();
     let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
     master.run(&mut instances, steps, progress)?;
@@ -196,8 +210,14 @@ pub fn simulate_opened(
     instances.controller.terminate()?;
     instances.plant.terminate()?;
 
-    let simulated = steps as f64 * simulation.step;
     let (score, recording, controller_time) = master.finish();
+    if let Some(value) = score.not_finite() {
+        return Err(Error::NotFinite {
+            name: "the squared error".to_owned(),
+            value,
+            time: end,
+        });
+    }
     let messages = instances.messages();
     let summary = Summary {
         controller: Unit::new(controller),
@@ -206,11 +226,11 @@ pub fn simulate_opened(
         order: simulation.order,
         step_s: simulation.step,
         steps: steps as u64,
-        until_s: simulated,
+        until_s: end,
         score,
         timing: Timing {
             wall_s: wall,
-            real_time_factor: simulated / wall,
+            real_time_factor: end / wall,
             controller_mean_us: controller_time.as_secs_f64() * 1e6 / steps as f64,
         },
         warnings,
@@ -288,82 +308,4 @@ fn start_angle(instances: &mut Instances, wiring: &Wiring) -> Result<f64, Error>
         return Ok(0.0);
     };
     Ok(tap.factor * instances.of(side).value(scalar)? + tap.offset)
-}
-
-/// Number of whole communication steps of the run.
-fn steps(simulation: &Simulation, pair: Pair<'_>, table: Option<&Table>) -> Result<usize, Error> {
-    let setting = |name, value: f64, expected: &str| input::Error::Setting {
-        name,
-        value: value.to_string(),
-        expected: expected.to_owned(),
-    };
-    if !(simulation.step.is_finite() && simulation.step > 0.0) {
-        return Err(setting("--step", simulation.step, "a positive time in s").into());
-    }
-    if simulation.record_every == 0 {
-        return Err(setting("--record", 0.0, "at least 1").into());
-    }
-    let until = simulation
-        .until
-        .or_else(|| table.and_then(Table::duration))
-        .or(pair.plant.default_experiment.stop_time)
-        .or(pair.controller.default_experiment.stop_time)
-        .unwrap_or(1.0);
-    let steps = (until / simulation.step + 1e-6).floor();
-    // A step is counted in f64 without rounding up to 2⁵³; a billion of 0.25 ms is three days.
-    if !(1.0..=1e9).contains(&steps) {
-        let expected = "a time in s that holds from one to 10⁹ communication steps";
-        return Err(setting("--until", until, expected).into());
-    }
-    Ok(steps as usize)
-}
-
-/// Refuses recordings that would not fit in memory.
-fn check_size(rows: usize, columns: usize) -> Result<(), Error> {
-    const LIMIT: usize = 1 << 29;
-    if rows.saturating_mul(columns) <= LIMIT {
-        return Ok(());
-    }
-    Err(input::Error::Setting {
-        name: "--record",
-        value: format!("{rows} rows of {columns} values"),
-        expected: format!("at most {LIMIT} values: record every n-th communication point"),
-    }
-    .into())
-}
-
-fn warnings(pair: Pair<'_>, wiring: &Wiring, step: f64) -> Vec<String> {
-    let mut warnings = wiring.warnings.clone();
-    if !wiring
-        .connections
-        .iter()
-        .any(|c| c.tap.source == Source::Setpoint)
-    {
-        warnings.push("the setpoint is connected to no input".to_owned());
-    }
-    if !wiring.roles.contains_key(&Role::Angle) {
-        warnings.push("no signal plays the role of the angle: the run is not scored".to_owned());
-    }
-    for side in [Side::Controller, Side::Plant] {
-        let description = pair.of(side);
-        if !description.problems.is_empty() {
-            warnings.push(format!(
-                "{side}: modelDescription.xml has {} problems (flexarm inspect lists them)",
-                description.problems.len()
-            ));
-        }
-        let fixed = description.co_simulation.as_ref().and_then(|c| {
-            c.fixed_internal_step
-                .filter(|_| !c.can_handle_variable_step)
-        });
-        if let Some(fixed) = fixed
-            && ((step / fixed).round() < 1.0
-                || (step / fixed - (step / fixed).round()).abs() > 1e-6)
-        {
-            warnings.push(format!(
-                "{side} steps by {fixed} s: {step} s is no multiple of it"
-            ));
-        }
-    }
-    warnings
 }

@@ -16,13 +16,13 @@ pub const COST_RATE: f64 = 4000.0;
 /// What is measured of a run. A quantity is None if the FMUs do not offer it.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
 pub struct Score {
-    /// Σ (setpoint − θ)² over 4 kHz samples \[rad²\].
+    /// Σ (setpoint − θ)² over 4 kHz samples \[rad²\]; None also if no sample was scored.
     pub squared_error_rad2: Option<f64>,
     /// Time from which errors are scored \[s\].
     pub scored_from_s: f64,
     /// Samples at which a limit was violated: the plant's count, or samples outside the limits of the angle.
     pub violations: Option<u64>,
-    /// Largest distance from the setpoint while it was scored \[rad\].
+    /// Largest distance from the setpoint while it was scored \[rad\]; None also if no sample was.
     pub max_error_rad: Option<f64>,
     /// Largest absolute torque \[N·m\].
     pub max_torque_n_m: Option<f64>,
@@ -32,10 +32,10 @@ pub struct Score {
     pub planner: Option<Planner>,
 }
 
-/// How the planner fared, counted once for each plan.
+/// How the planner fared, counted once for each plan that a communication point shows.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
 pub struct Planner {
-    /// Number of plans.
+    /// Number of plans. A communication step that is longer than the planner's period counts as one.
     pub plans: u64,
     /// Plans by the name of their status.
     pub statuses: BTreeMap<String, u64>,
@@ -43,6 +43,13 @@ pub struct Planner {
     pub mean_iterations: Option<f64>,
     /// Most iterations of a plan.
     pub max_iterations: Option<u64>,
+}
+
+impl Score {
+    /// The squared error, if it is beyond what a number can hold.
+    pub(super) fn not_finite(&self) -> Option<f64> {
+        self.squared_error_rad2.filter(|error| !error.is_finite())
+    }
 }
 
 /// What scoring needs to know beside the samples.
@@ -70,6 +77,7 @@ pub(super) struct Scorer {
     status: Option<Slot>,
     iterations: Option<Slot>,
     names: Vec<(i64, String)>,
+    scored: bool,
     squared_error: f64,
     max_error: f64,
     max_torque: f64,
@@ -101,6 +109,7 @@ impl Scorer {
             status,
             names,
             terms,
+            scored: false,
             squared_error: 0.0,
             max_error: 0.0,
             max_torque: 0.0,
@@ -119,6 +128,7 @@ impl Scorer {
             let angle = angle.value(row);
             if k >= self.terms.first {
                 let error = setpoint - angle;
+                self.scored = true;
                 self.squared_error += error * error;
                 self.max_error = self.max_error.max(error.abs());
             }
@@ -189,15 +199,16 @@ impl Scorer {
             max_iterations: self.iterations.map(|_| self.max_iterations as u64),
         });
         let scale = self.terms.step * COST_RATE;
+        let scored = self.angle.filter(|_| self.scored);
         Score {
-            squared_error_rad2: self.angle.map(|_| self.squared_error * scale),
+            squared_error_rad2: scored.map(|_| self.squared_error * scale),
             scored_from_s: self.terms.first as f64 * self.terms.step,
             violations: match (self.violations, self.angle, self.terms.limits) {
                 (Some(_), _, _) => Some(self.counted as u64),
                 (None, Some(_), Some(_)) => Some(self.outside),
                 _ => None,
             },
-            max_error_rad: self.angle.map(|_| self.max_error),
+            max_error_rad: scored.map(|_| self.max_error),
             max_torque_n_m: self.torque.map(|_| self.max_torque),
             max_thermal_fraction: self.thermal.map(|_| self.max_thermal),
             planner,
@@ -246,6 +257,27 @@ mod tests {
             assert_eq!(score.max_torque_n_m, Some(3.0));
             assert_eq!((score.violations, score.planner), (None, None));
         }
+    }
+
+    #[test]
+    fn nothing_scored_is_no_perfect_score() {
+        let terms = |first| Terms {
+            step: 0.000_25,
+            first,
+            ..Terms::default()
+        };
+        let row = [0.0, 1.0, 1e300];
+        let mut scorer = Scorer::new(&recording(&[Role::Angle]), terms(1));
+        scorer.sample(0, 1.0, &row);
+        let score = scorer.finish();
+        assert_eq!(
+            (score.squared_error_rad2, score.max_error_rad),
+            (None, None)
+        );
+        assert_eq!(score.not_finite(), None);
+        let mut scorer = Scorer::new(&recording(&[Role::Angle]), terms(0));
+        scorer.sample(0, 1.0, &row);
+        assert_eq!(scorer.finish().not_finite(), Some(f64::INFINITY));
     }
 
     #[test]

@@ -130,8 +130,13 @@ impl Summary {
         };
         row("simulated", number(self.until_s), "s");
         let score = &self.score;
-        if let Some(cost) = score.squared_error_rad2 {
-            row("squared error (4 kHz)", number(cost), "rad2");
+        let cost = score.squared_error_rad2;
+        row(
+            "squared error (4 kHz)",
+            cost.map_or("-".to_owned(), number),
+            "rad2",
+        );
+        if cost.is_some() {
             row("scored from", number(score.scored_from_s), "s");
         }
         for (name, value, unit) in [
@@ -152,10 +157,18 @@ impl Summary {
                 row(&format!("plans: {status}"), count.to_string(), "");
             }
             if let Some(mean) = planner.mean_iterations {
-                row("iterations per plan, mean", number(mean), "");
+                row(
+                    "interior-point iterations (0: closed form), mean",
+                    number(mean),
+                    "per plan",
+                );
             }
             if let Some(max) = planner.max_iterations {
-                row("iterations per plan, most", max.to_string(), "");
+                row(
+                    "interior-point iterations, most",
+                    max.to_string(),
+                    "per plan",
+                );
             }
         }
         row(
@@ -270,6 +283,9 @@ pub(crate) mod tests {
                 && table.contains("plans: solved")
         );
         assert!(!table.contains("largest torque"));
+        let mut nothing = summary();
+        nothing.score.squared_error_rad2 = None;
+        assert_eq!(nothing.rows()[1][..2], ["squared error (4 kHz)", "-"]);
         let headline = "A 1 (FMI 3.0) with A 1 (FMI 3.0), side-by-side, communication step 0.25 ms";
         assert!(table.starts_with(headline));
     }

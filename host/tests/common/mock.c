@@ -9,10 +9,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING };
 enum { U, Y, GAIN, FAULT, FAULT_TIME, FLAG, LABEL, VECTOR };
-enum fault { NONE, FAIL, DIE, REFUSE_STEP, ODD_STATUS, END, RETURN_EARLY, ASYNCHRONOUS, NOT_A_NUMBER };
+enum fault { NONE, FAIL, DIE, REFUSE_STEP, ODD_STATUS, END, RETURN_EARLY, ASYNCHRONOUS, NOT_A_NUMBER, WARN, SLOW, REFUSE_START };
 
 typedef void (*log2_t)(void *, const char *, int, const char *, const char *, ...);
 typedef void (*log3_t)(void *, int, const char *, const char *);
@@ -28,7 +29,7 @@ typedef struct {
     double u, y, gain, fault_time, vector[3], time;
     int fault;
     char label[64];
-    int failed, pending, states;
+    int failed, pending, states, warnings;
     const callbacks2 *callbacks;
     void *environment;
     log3_t log;
@@ -78,6 +79,21 @@ static void decode(char *to, const char *uri) {
     *to = 0;
 }
 
+/* Warnings are off until they are asked for, and nothing else may be asked for. */
+static int set_debug_logging(mock *m, int on, size_t n, const char *const *categories) {
+    legal(m, 0);
+    for (size_t i = 0; i < n; i++) {
+        if (!strcmp(categories[i], "logStatusFatal")) {
+            m->failed = 1;
+            return ERROR;
+        }
+        m->warnings |= on && !strcmp(categories[i], "logStatusWarning");
+    }
+    return OK;
+}
+
+static int warns(const mock *m) { return m->warnings && m->fault == WARN; }
+
 static int step(mock *m, double time, double size) {
     const int now = m->fault != NONE && time + size / 2 >= m->fault_time;
     m->time = time;
@@ -89,6 +105,7 @@ static int step(mock *m, double time, double size) {
         case ODD_STATUS: m->failed = 1; return 99;
         case ASYNCHRONOUS: m->pending = 3; break;
         case NOT_A_NUMBER: m->y = NAN; return OK;
+        case SLOW: usleep(300000); break;
         default: break;
         }
     }
@@ -121,13 +138,23 @@ void *fmi2Instantiate(const char *name, int type, const char *token, const char 
     return m;
 }
 void fmi2FreeInstance(mock *m) { legal(m, 1); m->callbacks->release(m); }
+int fmi2SetDebugLogging(mock *m, int on, size_t n, const char *const *c) { return set_debug_logging(m, on, n, c); }
 int fmi2SetupExperiment(mock *m, int d, double t, double s, int e, double p) {
     (void)d, (void)t, (void)s, (void)e, (void)p;
     legal(m, 0);
     return OK;
 }
 int fmi2EnterInitializationMode(mock *m) { legal(m, 0); return OK; }
-int fmi2ExitInitializationMode(mock *m) { legal(m, 0); return OK; }
+int fmi2ExitInitializationMode(mock *m) {
+    legal(m, 0);
+    if (m->fault != REFUSE_START) {
+        return OK;
+    }
+    m->failed = 1;
+    m->callbacks->logger(m->callbacks->environment, m->label, ERROR, "logStatusError",
+                         "fmi2ExitInitializationMode: gain = %g is too much", m->gain);
+    return ERROR;
+}
 int fmi2Terminate(mock *m) { legal(m, 0); return OK; }
 int fmi2Reset(mock *m) { legal(m, 1); start(m); return OK; }
 static double *real(mock *m, unsigned r) {
@@ -181,6 +208,9 @@ int fmi2DoStep(mock *m, double time, double size, int final) {
     (void)final;
     legal(m, 0);
     const int status = step(m, time, size);
+    if (warns(m)) {
+        m->callbacks->logger(m->callbacks->environment, m->label, WARNING, "logStatusWarning", "warm at %g", time);
+    }
     if (status == ERROR) {
         m->callbacks->logger(m->callbacks->environment, m->label, ERROR, "logStatusError",
                              "%s failed at %g", m->label, time);
@@ -247,12 +277,20 @@ int fmi3DeserializeFMUState(mock *m, const unsigned char *bytes, size_t size, mo
     m->states++;
     return OK;
 }
+int fmi3SetDebugLogging(mock *m, bool on, size_t n, const char *const *c) { return set_debug_logging(m, on, n, c); }
 int fmi3EnterInitializationMode(mock *m, bool d, double t, double s, bool e, double p) {
     (void)d, (void)t, (void)s, (void)e, (void)p;
     legal(m, 0);
     return OK;
 }
-int fmi3ExitInitializationMode(mock *m) { legal(m, 0); return OK; }
+int fmi3ExitInitializationMode(mock *m) {
+    legal(m, 0);
+    if (m->fault != REFUSE_START) {
+        return OK;
+    }
+    m->failed = 1;
+    return ERROR;
+}
 int fmi3Terminate(mock *m) { legal(m, 0); return OK; }
 int fmi3Reset(mock *m) { legal(m, 1); start(m); return OK; }
 int fmi3GetFloat64(mock *m, const unsigned *r, size_t n, double *v, size_t nv) {
@@ -300,6 +338,11 @@ int fmi3DoStep(mock *m, double time, double size, bool final, bool *event, bool 
     *end = now && m->fault == END;
     *early = now && m->fault == RETURN_EARLY;
     *last = *early ? time + size / 2 : m->time;
+    if (warns(m)) {
+        char text[64];
+        snprintf(text, sizeof text, "warm at %g", time);
+        m->log(m->environment, WARNING, "logStatusWarning", text);
+    }
     if (status == ERROR) {
         char text[128];
         snprintf(text, sizeof text, "%s failed at %g", m->label, time);

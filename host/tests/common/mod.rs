@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod cli;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,6 +20,9 @@ pub const END: i32 = 5;
 pub const RETURN_EARLY: i32 = 6;
 pub const ASYNCHRONOUS: i32 = 7;
 pub const NOT_A_NUMBER: i32 = 8;
+pub const WARN: i32 = 9;
+pub const SLOW: i32 = 10;
+pub const REFUSE_START: i32 = 11;
 
 const SUFFIX: &str = std::env::consts::DLL_SUFFIX;
 
