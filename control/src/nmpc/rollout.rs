@@ -11,7 +11,7 @@ pub struct Stages {
     pub velocity: Lanes,
     /// ωr \[rad/s\].
     pub reference_velocity: Lanes,
-    /// e \[rad·s\].
+    /// e \[rad·s\]; only where the cost weighs it.
     pub integral: Lanes,
     /// τ (eq 21) \[N·m\].
     pub torque: Lanes,
@@ -19,7 +19,7 @@ pub struct Stages {
     pub slope: Lanes,
     /// d²g/dθ² \[N·m/rad²\].
     pub curvature: Lanes,
-    /// T \[A²\].
+    /// T \[A²\]; only where the cost weighs it.
     pub thermal_load: Lanes,
 }
 

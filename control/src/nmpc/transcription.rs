@@ -196,10 +196,12 @@ impl Transcription {
                 stage.reference_velocity[j] = A::mul_add(time, u, velocity);
                 stage.velocity[j] = stage.reference_velocity[j] + velocity_deviation[j];
             }
-            for j in 0..STAGES {
-                let seen = if j == 0 { 0.0 } else { stage.distance[j - 1] };
-                stage.integral[j] = A::mul_add(ELAPSED[j] * h, seen, integral);
-                increment = A::mul_add(QUADRATURE[j] * h, stage.distance[j], increment);
+            if weights.integral > 0.0 {
+                for j in 0..STAGES {
+                    let seen = if j == 0 { 0.0 } else { stage.distance[j - 1] };
+                    stage.integral[j] = A::mul_add(ELAPSED[j] * h, seen, integral);
+                    increment = A::mul_add(QUADRATURE[j] * h, stage.distance[j], increment);
+                }
             }
             for j in 0..STAGES {
                 let (d, v, e) = (stage.distance[j], stage.velocity[j], stage.integral[j]);
@@ -249,8 +251,8 @@ impl Transcription {
                 let early = A::mul_add(heat[0], squares[0], heat[1] * squares[1]);
                 A::mul_add(thermal.load[j], load, early + late)
             };
-            stage.thermal_load = std::array::from_fn(step);
-            if price != 0.0 {
+            if price > 0.0 {
+                stage.thermal_load = std::array::from_fn(step);
                 for (weight, load) in QUADRATURE.iter().zip(&stage.thermal_load) {
                     rollout.cost = A::mul_add(price * length * weight, load * load, rollout.cost);
                 }

@@ -21,18 +21,114 @@ use super::inequality::Inequalities;
 /// Index of T in the state.
 const LOAD: usize = 2;
 
-/// An interval around the rollout.
+/// An interval around the rollout: the step
+///
+/// ```text
+/// dθr⁺ = dθr + h·dωr + h²/2·du      dωr⁺ = dωr + h·du
+/// dT⁺  = t_θ·dθr + t_ω·dωr + a·dT + t_u·du
+/// de⁺  = e_θ·dθr + e_ω·dωr + de + e_u·du
+/// ```
+///
+/// whose structure the recursion makes use of, the gradient of the cost, and the policy.
 #[derive(Clone, Copy, Debug)]
 struct Linear<const S: usize> {
-    /// ∂x⁺/∂x.
-    a: [[f64; S]; S],
-    /// ∂x⁺/∂u.
-    b: [f64; S],
+    h: f64,
+    /// t_θ, t_ω and a.
+    load: [f64; 3],
+    /// e_θ and e_ω.
+    integral: [f64; 2],
+    /// ∂x⁺/∂u = (h²/2, h, t_u, e_u).
+    by_move: [f64; S],
     /// Gradient of the cost in x.
     gradient: [f64; S],
     /// Gradient of the cost in u.
     gradient_by_move: f64,
     policy: Policy<S>,
+}
+
+/// Curvature of an interval's cost: the parts Q, S and R of H; of Q only the upper triangle counts.
+struct Curvature<const S: usize> {
+    xx: [[f64; S]; S],
+    xu: [f64; S],
+    uu: f64,
+}
+
+impl<const S: usize> Linear<S> {
+    /// Aᵀ·p, the transpose of ∂x⁺/∂x times a column.
+    #[inline(always)]
+    fn transposed<A: Arithmetic>(&self, p: &[f64; S]) -> [f64; S] {
+        let mut product = *p;
+        product[0] = A::mul_add(self.load[0], p[LOAD], p[0]);
+        product[1] = A::mul_add(self.load[1], p[LOAD], A::mul_add(self.h, p[0], p[1]));
+        product[LOAD] = self.load[2] * p[LOAD];
+        if S > LOAD + 1 {
+            product[0] = A::mul_add(self.integral[0], p[S - 1], product[0]);
+            product[1] = A::mul_add(self.integral[1], p[S - 1], product[1]);
+        }
+        product
+    }
+
+    /// A·x + B·u.
+    #[inline(always)]
+    fn advance<A: Arithmetic>(&self, x: &[f64; S], u: f64) -> [f64; S] {
+        let mut next = *x;
+        next[0] = A::mul_add(self.h, x[1], x[0]);
+        let warmed = A::mul_add(self.load[0], x[0], self.load[1] * x[1]);
+        next[LOAD] = A::mul_add(self.load[2], x[LOAD], warmed);
+        if S > LOAD + 1 {
+            let grown = A::mul_add(self.integral[0], x[0], x[S - 1]);
+            next[S - 1] = A::mul_add(self.integral[1], x[1], grown);
+        }
+        for i in 0..S {
+            next[i] = A::mul_add(self.by_move[i], u, next[i]);
+        }
+        next
+    }
+
+    /// One step of the recursion, as [`Form::policy`] does it for any A.
+    #[inline(always)]
+    fn recur<A: Arithmetic>(
+        &mut self,
+        own: &Curvature<S>,
+        price: &mut [[f64; S]; S],
+        imposed: Option<[f64; S]>,
+    ) -> bool {
+        // Rows of P are its columns: (P·A)ᵀ by rows.
+        let (mut ap, mut pb) = ([[0.0; S]; S], [0.0; S]);
+        for r in 0..S {
+            ap[r] = self.transposed::<A>(&price[r]);
+            for i in 0..S {
+                pb[r] = A::mul_add(price[r][i], self.by_move[i], pb[r]);
+            }
+        }
+        let mut h_uu = own.uu;
+        let mut h_ux = self.transposed::<A>(&pb);
+        for i in 0..S {
+            h_uu = A::mul_add(self.by_move[i], pb[i], h_uu);
+            h_ux[i] += own.xu[i];
+        }
+        let (gain, inverse) = match imposed {
+            Some(gain) => (gain, 0.0),
+            None if h_uu > 0.0 => {
+                let inverse = 1.0 / h_uu;
+                (h_ux.map(|h| h * inverse), inverse)
+            }
+            None => return false,
+        };
+        // Column c of P·A, then of AᵀPA.
+        for c in 0..S {
+            let column = self.transposed::<A>(&std::array::from_fn(|r| ap[r][c]));
+            for r in 0..=c {
+                // For the cheapest policy h_ux − h_uu·gain is zero.
+                let rest = A::mul_add(-h_uu, gain[r], h_ux[r]);
+                let value = A::mul_add(-gain[c], rest, own.xx[r][c] + column[r]);
+                price[r][c] = A::mul_add(-gain[r], h_ux[c], value);
+                price[c][r] = price[r][c];
+            }
+        }
+        self.policy = Policy { gain, inverse };
+        true
+    }
 }
 
 /// The Newton step, set up for `S` states.
@@ -67,8 +163,10 @@ impl<const S: usize> Newton<S> {
         let last = transcription.interval(horizon - 1).length;
         let ends = deadbeat(transcription.interval(horizon - 2).length, last);
         let idle = Linear {
-            a: [[0.0; S]; S],
-            b: [0.0; S],
+            h: 0.0,
+            load: [0.0; 3],
+            integral: [0.0; 2],
+            by_move: [0.0; S],
             gradient: [0.0; S],
             gradient_by_move: 0.0,
             policy: Policy {
@@ -128,7 +226,6 @@ impl<const S: usize> Newton<S> {
             let heat = &interval.thermal.heat;
             let stage = &rollout.stages[k];
             let form = &self.forms[k.min(self.forms.len() - 1)];
-            let linear = &mut self.linear[k];
 
             // Cost of the load, and the price of heat in it and in all.
             let mut own: Lanes = [0.0; STAGES];
@@ -148,16 +245,14 @@ impl<const S: usize> Newton<S> {
             let gradients: [[f64; 3]; STAGES] =
                 std::array::from_fn(|j| transcription.torque_gradient(stage, h, j));
 
-            let mut now = Form {
-                a: form.a,
-                b: form.b,
+            let mut own_curvature = Curvature {
                 xx: form.xx.map(|row| row.map(|x| x * scale)),
                 xu: form.xu.map(|x| x * scale),
                 uu: form.uu * scale,
             };
-            now.a[LOAD] = [0.0; S];
-            now.a[LOAD][LOAD] = interval.thermal.decay();
-            now.b[LOAD] = 0.0;
+            let now = &mut own_curvature;
+            let mut load = [0.0, 0.0, interval.thermal.decay()];
+            let mut load_by_move = 0.0;
             let mut gradient = [0.0; S];
             let mut by_move = 2.0 * scale * problem.weights.acceleration * h * moves[k];
             gradient[LOAD] = own_load;
@@ -165,9 +260,9 @@ impl<const S: usize> Newton<S> {
                 let [angle, velocity, move_] = gradients[j];
                 // The step of T, and the gradient of the cost.
                 let warming = heat[STAGES][j] * slopes[j];
-                now.a[LOAD][0] = A::mul_add(warming, angle, now.a[LOAD][0]);
-                now.a[LOAD][1] = A::mul_add(warming, velocity, now.a[LOAD][1]);
-                now.b[LOAD] = A::mul_add(warming, move_, now.b[LOAD]);
+                load[0] = A::mul_add(warming, angle, load[0]);
+                load[1] = A::mul_add(warming, velocity, load[1]);
+                load_by_move = A::mul_add(warming, move_, load_by_move);
                 let weights = &problem.weights;
                 let share = 2.0 * scale * QUADRATURE[j] * h;
                 let mut distance = share * weights.angle * stage.distance[j];
@@ -227,17 +322,20 @@ impl<const S: usize> Newton<S> {
             }
             load_price = A::mul_add(load_price, interval.thermal.decay(), own_load);
 
+            let linear = &mut self.linear[k];
+            linear.h = h;
+            linear.load = load;
+            linear.by_move = form.b;
+            linear.by_move[LOAD] = load_by_move;
+            if S > LOAD + 1 {
+                linear.integral = [form.a[S - 1][0], form.a[S - 1][1]];
+            }
+            linear.gradient = gradient;
+            linear.gradient_by_move = by_move;
             let imposed = (k + 2).checked_sub(horizon).map(|end| self.ends[end]);
-            let Some(policy) = now.policy::<A>(&mut price, imposed) else {
+            if !linear.recur::<A>(&own_curvature, &mut price, imposed) {
                 return false;
-            };
-            *linear = Linear {
-                a: now.a,
-                b: now.b,
-                gradient,
-                gradient_by_move: by_move,
-                policy,
-            };
+            }
         }
         true
     }
@@ -259,15 +357,12 @@ impl<const S: usize> Newton<S> {
             let linear = &self.linear[k];
             let Policy { gain, inverse } = &linear.policy;
             let mut through = linear.gradient_by_move;
-            let mut next = linear.gradient;
+            let mut next = linear.transposed::<A>(&p);
             for i in 0..S {
-                through = A::mul_add(linear.b[i], p[i], through);
-                for c in 0..S {
-                    next[c] = A::mul_add(linear.a[i][c], p[i], next[c]);
-                }
+                through = A::mul_add(linear.by_move[i], p[i], through);
             }
             for c in 0..S {
-                next[c] = A::mul_add(-gain[c], through, next[c]);
+                next[c] = A::mul_add(-gain[c], through, linear.gradient[c] + next[c]);
             }
             self.moves[k] = -inverse * through;
             decrease = A::mul_add(0.5 * inverse * through, through, decrease);
@@ -281,15 +376,8 @@ impl<const S: usize> Newton<S> {
             for i in 0..S {
                 u = A::mul_add(-linear.policy.gain[i], x[i], u);
             }
-            let mut next = [0.0; S];
-            for r in 0..S {
-                next[r] = linear.b[r] * u;
-                for c in 0..S {
-                    next[r] = A::mul_add(linear.a[r][c], x[c], next[r]);
-                }
-            }
             self.moves[k] = u;
-            x = next;
+            x = linear.advance::<A>(&x, u);
             self.load[k] = x[LOAD];
             if k + 1 < horizon {
                 self.angle[k] = x[0];
