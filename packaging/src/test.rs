@@ -18,7 +18,7 @@ pub fn run(workspace: &Workspace, pytest: &[String]) -> Result<(), String> {
     announce("3/5 Python environment");
     let python = environment(workspace)?;
     announce("4/5 Python: style");
-    let check = ["-m", "ruff", "check", "tests"];
+    let check = ["-m", "ruff", "check", "tests", "benches"];
     workspace.run(workspace.command(&python).args(check))?;
     announce("5/5 Python: independent FMI tools against the packages");
     workspace.run(

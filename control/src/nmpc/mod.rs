@@ -4,8 +4,8 @@
 //! | part | question | module |
 //! |---|---|---|
 //! | problem | what is optimised? | [`problem`], from the contract's [`settings`] |
-//! | transcription | how does it become numbers? | [`transcription`], [`rk4`], [`rollout`], [`spline`] |
-//! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`conic`] |
+//! | transcription | how does it become numbers? | [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
+//! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], [`rest`] |
 //!
 //! A [`planner::Planner`] is made once and then asked for a plan every period:
