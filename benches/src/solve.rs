@@ -11,40 +11,70 @@ use crate::statistics::{Durations, time};
 
 const REPEATS: usize = 40;
 
+/// What was measured of an arm and a solver.
+struct Measured {
+    /// All calls.
+    calls: Durations,
+    /// The least of the calls of each instance.
+    best: Durations,
+    /// The least of the calls of each instance whose closed form exceeds a limit; none: there is no such.
+    limited: Option<Durations>,
+    most_iterations: u32,
+}
+
 /// Prints the solve times over `golden/nmpc_*.json`.
 pub fn run(golden: &Path) -> Result<(), Failure> {
     println!(
-        "NMPC, N = 40, 15 instances each, cold   median        p99        max   iterations (max)"
+        "NMPC, N = 40, 15 instances each, cold                  median        p99        max   iterations (max)"
     );
     for arm in ARMS {
-        let (durations, best, iterations) = measure(arm, golden)?;
-        println!(
-            "  {arm:<10} single calls          {} {iterations:>10}",
-            durations.row()
-        );
-        println!("  {arm:<10} best of {REPEATS} per instance {}", best.row());
+        for solver in SOLVERS {
+            let measured = measure(arm, solver, golden)?;
+            let name = format!("{arm}, {solver}");
+            let row = measured.calls.row();
+            println!(
+                "  {name:<20} single calls           {row} {:>10}",
+                measured.most_iterations
+            );
+            let row = measured.best.row();
+            println!("  {name:<20} best of {REPEATS}             {row}");
+            if let Some(limited) = measured.limited {
+                let row = limited.row();
+                println!("  {name:<20} best of {REPEATS}, at a limit {row}");
+            }
+        }
     }
     Ok(())
 }
 
-fn measure(arm: &str, golden: &Path) -> Result<(Durations, Durations, u32), Failure> {
+fn measure(arm: &str, solver: &str, golden: &Path) -> Result<Measured, Failure> {
     let text = std::fs::read_to_string(golden.join(format!("nmpc_{arm}.json")))?;
     let reference: Value = serde_json::from_str(&text)?;
-    let mut planner = planner(arm, SOLVERS[0])?;
+    let mut planner = planner(arm, solver)?;
     let cold = PlannerState::default();
-    let (mut all, mut best, mut most) = (Vec::new(), Vec::new(), 0);
+    let (mut calls, mut best, mut limited) = (Vec::new(), Vec::new(), Vec::new());
+    let mut most_iterations = 0;
     for case in reference["cases"].as_array().ok_or("no cases")? {
         let initial = initial(&case["x0"])?;
         let goal = case["goal"].as_f64().ok_or("no goal")?;
-        let mut durations = Vec::new();
+        let (mut durations, mut iterations) = (Vec::new(), 0);
         for _ in 0..REPEATS {
             planner.set_state(&cold);
-            let (duration, iterations) = time(|| planner.plan(&initial, goal).iterations);
+            let duration;
+            (duration, iterations) = time(|| planner.plan(&initial, goal).iterations);
             durations.push(duration);
-            most = most.max(iterations);
         }
+        most_iterations = most_iterations.max(iterations);
         best.extend(durations.iter().min());
-        all.append(&mut durations);
+        if iterations > 0 {
+            limited.extend(durations.iter().min());
+        }
+        calls.append(&mut durations);
     }
-    Ok((Durations::new(all), Durations::new(best), most))
+    Ok(Measured {
+        calls: Durations::new(calls),
+        best: Durations::new(best),
+        limited: (!limited.is_empty()).then(|| Durations::new(limited)),
+        most_iterations,
+    })
 }
