@@ -13,7 +13,8 @@
 use std::collections::HashMap;
 use std::io::{BufRead, Write};
 
-use control::nmpc::planner::{Planner, PlannerState};
+use control::nmpc::plan::PlannerState;
+use control::nmpc::planner::Planner;
 use serde_json::{Value, json};
 
 use crate::Failure;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use control::nmpc::planner::PlannerState;
+use control::nmpc::plan::PlannerState;
 use serde_json::Value;
 
 use crate::Failure;

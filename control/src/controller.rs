@@ -4,7 +4,8 @@ use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal}
 use serde::{Deserialize, Serialize};
 
 use crate::feedback::{self, Feedback};
-use crate::nmpc::planner::{Plan, PlanStatus, Planner, PlannerState};
+use crate::nmpc::plan::{Plan, PlanStatus, PlannerState};
+use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
 use crate::nmpc::settings;
 use crate::profile::{self, Profile};

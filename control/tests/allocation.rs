@@ -1,9 +1,9 @@
-//! After set-up a sample allocates nothing, whoever plans, but for the general-purpose conic solver.
+//! After set-up a sample allocates nothing, the plan included, until the general-purpose conic solver is needed.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use control::nmpc::settings::Method;
+use control::nmpc::{self, settings::Method};
 use control::{Controller, ReferenceSource, Settings};
 
 /// The system's allocator, with a count of the allocations of each thread.
@@ -75,17 +75,21 @@ fn following_the_profile_allocates_nothing() {
 fn plans_allocate_nothing() {
     let mut hot = Settings::pendulum();
     hot.initial_thermal_load = 0.95 * 0.85 * 0.85 * hot.motor.thermal_limit();
-    for (settings, least) in [(Settings::tflex(), 0), (Settings::pendulum(), 0), (hot, 5)] {
-        let settings = Settings {
-            nmpc: control::nmpc::settings::Settings {
-                solver: Method::Riccati,
+    for solver in [Method::Automatic, Method::Riccati] {
+        for (settings, in_closed_form, iterated) in [
+            (Settings::tflex(), 80, 0),
+            (Settings::pendulum(), 20, 0),
+            (hot, 20, 5),
+        ] {
+            let nmpc = nmpc::settings::Settings {
+                solver,
                 ..settings.nmpc
-            },
-            ..settings
-        };
-        let run = run(&settings);
-        assert_eq!(run.plans, 80);
-        assert_eq!(run.allocations, 0);
-        assert!(run.iterated >= least, "{} plans iterated", run.iterated);
+            };
+            let run = run(&Settings { nmpc, ..settings });
+            assert_eq!((run.plans, run.allocations), (80, 0), "{solver:?}");
+            assert!(run.iterated >= iterated, "{} iterated", run.iterated);
+            let others = run.plans - run.iterated;
+            assert!(others >= in_closed_form, "{others} in closed form");
+        }
     }
 }

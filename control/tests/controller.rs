@@ -5,7 +5,7 @@ mod common;
 use arm::{Inadmissible, hysteresis, thermal};
 use common::{Loop, feedback_of_equation_36, with_profile};
 use control::feedback::Law;
-use control::nmpc::planner::PlanStatus;
+use control::nmpc::plan::PlanStatus;
 use control::nmpc::settings;
 use control::{Command, Controller, Reference, Settings, State};
 use proptest::prelude::*;

@@ -2,7 +2,7 @@
 
 mod nmpc_arms;
 
-use control::nmpc::planner::PlanStatus;
+use control::nmpc::plan::PlanStatus;
 use control::nmpc::problem::Initial;
 use control::nmpc::settings::Method;
 use nmpc_arms::{pendulum, tflex};

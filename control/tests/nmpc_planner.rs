@@ -3,7 +3,8 @@
 
 mod nmpc_arms;
 
-use control::nmpc::planner::{Plan, PlanStatus, Planner};
+use control::nmpc::plan::{Plan, PlanStatus};
+use control::nmpc::planner::Planner;
 use control::nmpc::problem::Initial;
 use control::nmpc::settings::Method;
 use nmpc_arms::{Arm, pendulum, tflex};
@@ -31,7 +32,7 @@ impl Uniform {
         );
         let (angle, goal) = (self.within(low, high), self.within(low, high));
         let velocity = self.within(low - high, high - low);
-        let load = self.within(loads[0], loads[1]) * arm.thermal_limit();
+        let load = self.within(loads[0], loads[1]) * thermal_limit(arm);
         let initial = Initial {
             angle: angle + self.within(-2e-3, 2e-3),
             velocity: velocity + self.within(-2e-2, 2e-2),
@@ -42,6 +43,11 @@ impl Uniform {
         };
         (initial, goal)
     }
+}
+
+/// Thermal limit of the plan (eq 26) [A²].
+fn thermal_limit(arm: &Arm) -> f64 {
+    (arm.settings.thermal_share * arm.motor.continuous_current).powi(2)
 }
 
 fn assert_finite(plan: &Plan) {
@@ -96,7 +102,7 @@ fn starved_starts_are_solved_or_exceed_the_limit_least() {
     let [solved, slack, other] = count(&pendulum(), 2, 1000, [0.97, 0.998]);
     assert_eq!(other, 0, "unsolved");
     // Some of these starts are too fast for the heat they may still make.
-    assert!(slack <= 70, "{slack} of {}", solved + slack);
+    assert!(slack <= 66, "{slack} of {}", solved + slack);
 }
 
 #[test]
@@ -144,7 +150,7 @@ fn far_above_the_limit_the_status_is_thermal_slack_and_the_load_falls() {
     let initial = Initial {
         angle: 0.6,
         reference_angle: 0.6,
-        thermal_load: 1.2 * arm.thermal_limit(),
+        thermal_load: 1.2 * thermal_limit(&arm),
         ..Initial::default()
     };
     let mut planner = arm.planner();
@@ -300,33 +306,47 @@ fn follow(plan: &Plan, initial: &Initial) -> Initial {
     }
 }
 
-#[test]
-fn in_closed_loop_the_limit_is_kept_and_a_warm_start_saves_work() {
-    let arm = pendulum();
+/// Work for the cold plans of a move to and fro with a hot motor, and for each warm one that was iterated.
+fn work(solver: Method, of: fn(&Plan) -> u32) -> (u32, Vec<u32>) {
+    let mut arm = pendulum();
+    arm.settings.solver = solver;
     let mut planner = arm.planner();
     let mut initial = Initial {
         angle: 0.3,
         reference_angle: 0.3,
-        thermal_load: 0.97 * arm.thermal_limit(),
+        thermal_load: 0.97 * thermal_limit(&arm),
         ..Initial::default()
     };
-    let (mut cold, mut warm, mut warm_plans) = (0, 0, 0);
+    let (mut cold, mut warm) = (0, Vec::new());
     for k in 0..120 {
         let goal = if k < 60 { 1.2 } else { 0.4 };
         let plan = planner.plan(&initial, goal);
         assert_eq!(plan.status, PlanStatus::Solved, "plan {k}");
         assert!(plan.trajectory.excess <= 1e-6);
         if k % 60 == 0 {
-            cold += plan.iterations;
+            cold += of(plan);
         } else if plan.iterations > 0 {
-            (warm, warm_plans) = (warm + plan.iterations, warm_plans + 1);
+            warm.push(of(plan));
         }
         initial = follow(plan, &initial);
     }
     assert!((initial.angle - 0.4).abs() < 1e-3, "arrives");
+    (cold, warm)
+}
+
+#[test]
+fn in_closed_loop_the_limit_is_kept_and_a_warm_start_saves_work() {
+    let (cold, warm) = work(Method::Clarabel, |plan| plan.convex_problems);
     assert!(
-        cold >= 10 && warm_plans > 10 && warm <= 3 * warm_plans,
-        "{cold} iterations for two cold plans, {warm} for {warm_plans} warm ones"
+        cold >= 2 && warm.iter().max() == Some(&1),
+        "{cold} {warm:?}"
+    );
+    let (cold, warm) = work(Method::Riccati, |plan| plan.iterations);
+    let mean = f64::from(warm.iter().sum::<u32>()) / warm.len() as f64;
+    assert!(warm.len() > 10);
+    assert!(
+        cold >= 10 && mean <= 3.0,
+        "{cold} for two cold plans, {mean} a warm one"
     );
 }
 

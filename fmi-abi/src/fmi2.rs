@@ -135,7 +135,7 @@ pub type fmi2ExitInitializationModeTYPE =
 pub type fmi2TerminateTYPE = Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
 pub type fmi2ResetTYPE = Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
 
-/// `fmi2GetXXX`: one value for each reference.
+/// `fmi2GetReal` and its like: one value for each reference (FMI 2.0.4 sec 2.1.7).
 pub type fmi2GetTYPE<T> = Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -149,7 +149,7 @@ pub type fmi2GetIntegerTYPE = fmi2GetTYPE<fmi2Integer>;
 pub type fmi2GetBooleanTYPE = fmi2GetTYPE<fmi2Boolean>;
 pub type fmi2GetStringTYPE = fmi2GetTYPE<fmi2String>;
 
-/// `fmi2SetXXX`: one value for each reference.
+/// `fmi2SetReal` and its like: one value for each reference (FMI 2.0.4 sec 2.1.7).
 pub type fmi2SetTYPE<T> = Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -258,7 +258,7 @@ pub type fmi2GetStatusTYPE = Option<
     unsafe extern "C" fn(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Status) -> fmi2Status,
 >;
 
-/// `fmi2GetXXXStatus`.
+/// `fmi2GetRealStatus` and its like: what a running step has to say (FMI 2.0.4 sec 4.2.3).
 pub type fmi2GetXxxStatusTYPE<T> =
     Option<unsafe extern "C" fn(c: fmi2Component, s: fmi2StatusKind, value: *mut T) -> fmi2Status>;
 pub type fmi2GetRealStatusTYPE = fmi2GetXxxStatusTYPE<fmi2Real>;

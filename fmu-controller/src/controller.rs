@@ -1,7 +1,7 @@
 //! [`Controller`]: a sampled unit without continuous states; every sample is an event.
 
 use control::LARGEST_ANGLE;
-use control::nmpc::planner::PlanStatus;
+use control::nmpc::plan::PlanStatus;
 use control::{Command, State};
 use fmi_unit::{Failure, Log, Severity, Unit};
 

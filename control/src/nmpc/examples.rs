@@ -1,63 +1,38 @@
 //! Problems, starts and moves for the unit tests of this module.
 
-use arm::{Limits, Motor, Parameters};
 use proptest::prelude::*;
 
-use super::problem::{FeedbackModel, Initial, Problem, Weights};
-use super::settings::Settings;
+use super::problem::{FeedbackModel, Initial, Problem};
+use crate::Settings;
+
+/// Feedback of a controller as the plan knows it, with the printed gains.
+pub fn feedback(settings: &Settings) -> FeedbackModel {
+    FeedbackModel {
+        inertia: settings.feedback.inertia,
+        gain_angle: settings.feedback.gains.angle,
+        gain_velocity: settings.feedback.gains.velocity,
+        gain_integral: 0.0,
+    }
+}
+
+fn problem(settings: &Settings) -> Problem {
+    let Settings {
+        arm, motor, limits, ..
+    } = settings;
+    let problem = settings
+        .nmpc
+        .problem(arm, motor, limits, &feedback(settings));
+    problem.expect("admissible")
+}
 
 /// The paper's T-flex (eqs 14, 29, 31).
 pub fn tflex() -> Problem {
-    let feedback = FeedbackModel {
-        inertia: 0.0818,
-        gain_angle: 31.62,
-        gain_velocity: 2.756,
-        gain_integral: 0.0,
-    };
-    Settings::default()
-        .problem(
-            &Parameters::tflex(),
-            &Motor::tflex(),
-            &Limits::tflex(),
-            &feedback,
-        )
-        .expect("admissible")
-}
-
-/// Settings of the paper's pendulum (eq 34).
-pub fn pendulum_settings() -> Settings {
-    Settings {
-        weights: Weights {
-            angle: 1.0,
-            velocity: 1e-3,
-            integral: 0.0,
-            thermal: 0.0,
-            acceleration: 1e-4,
-        },
-        ..Settings::default()
-    }
-}
-
-/// Feedback of the paper's pendulum (eq 33).
-pub fn pendulum_feedback() -> FeedbackModel {
-    FeedbackModel {
-        inertia: 1.0,
-        gain_angle: 100.0,
-        gain_velocity: 14.4914,
-        gain_integral: 0.0,
-    }
+    problem(&Settings::tflex())
 }
 
 /// The paper's pendulum (eqs 32 to 34).
 pub fn pendulum() -> Problem {
-    pendulum_settings()
-        .problem(
-            &Parameters::pendulum_mismodelled(),
-            &Motor::pendulum(),
-            &Limits::pendulum(),
-            &pendulum_feedback(),
-        )
-        .expect("admissible")
+    problem(&Settings::pendulum())
 }
 
 /// Starts within the pendulum's workspace, a little off the reference.

@@ -6,13 +6,14 @@
 //! | problem | what is optimised? | [`problem`], from the contract's [`settings`] |
 //! | transcription | how does it become numbers? | [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
-//! | planner | what if it cannot be solved? | [`planner`], [`rest`] |
+//! | planner | what if it cannot be solved? | [`planner`], its [`plan`], [`rest`] |
 //!
 //! A [`planner::Planner`] is made once and then asked for a plan every period:
 //!
 //! ```
 //! use arm::{Limits, Motor, Parameters};
-//! use control::nmpc::planner::{PlanStatus, Planner};
+//! use control::nmpc::plan::PlanStatus;
+//! use control::nmpc::planner::Planner;
 //! use control::nmpc::problem::{FeedbackModel, Initial};
 //! use control::nmpc::settings::Settings;
 //!
@@ -39,6 +40,7 @@
 pub mod conic;
 pub mod interior_point;
 pub mod linear_quadratic;
+pub mod plan;
 pub mod planner;
 pub mod problem;
 pub mod rest;

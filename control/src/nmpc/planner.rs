@@ -3,17 +3,18 @@
 //! 1. The setpoint moves to the nearest rest point that can be held ([`super::rest`]).
 //! 2. The optimum without inequalities comes in closed form ([`super::unconstrained`]); where it keeps
 //!    all limits it is the plan.
-//! 3. Otherwise the solvers are tried in turn; the first starts from the better of that optimum and the previous plan, shifted.
+//! 3. Otherwise the solvers are tried in turn; the first starts from the better of that optimum and the
+//!    previous plan, shifted.
 //! 4. Where no plan comes out, the previous plan goes on, shifted: it ends at rest. Where none is left,
 //!    the reference is braked to rest.
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
-use serde::{Deserialize, Serialize};
 
 use super::conic::Conic;
 use super::interior_point;
+use super::plan::{Plan, PlanStatus, PlannerState};
 use super::problem::{FeedbackModel, Initial, Problem};
 use super::rest::RestPoints;
 use super::rollout::Rollout;
@@ -33,76 +34,6 @@ const NEARLY_LEAST: f64 = 1.1;
 /// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
 /// that is above 1.
 const REST_TOLERANCE: f64 = 1e-6;
-
-/// How the plan in use came to be; numbered as `PlanStatus` in the contract.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(i32)]
-pub enum PlanStatus {
-    /// No plan.
-    #[default]
-    Idle = 0,
-    /// Solved to tolerance.
-    Solved = 1,
-    /// Solved for the admissible rest point nearest to the setpoint.
-    GoalProjected = 2,
-    /// Solved, but the thermal limit could not be kept: the least excess was planned.
-    ThermalSlack = 3,
-    /// Admissible, but the solver was stopped before it converged.
-    IterationLimit = 4,
-    /// No new plan was found: the previous plan, shifted.
-    ShiftedPlan = 5,
-    /// No plan was found and none is left: the reference is brought to rest.
-    Rest = 6,
-    /// A measurement was not a number: the last good command is held.
-    MeasurementHeld = 7,
-    /// Solved, but start and terminal rest left no way within the angle bounds: they were widened.
-    AngleSlack = 8,
-}
-
-/// A plan.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    /// How it came to be.
-    pub status: PlanStatus,
-    /// Interior-point iterations; 0 for a plan in closed form.
-    pub iterations: u32,
-    /// Convex problems that Clarabel solved.
-    pub convex_problems: u32,
-    /// Rest point at the end \[rad\].
-    pub goal: f64,
-    /// u \[N\] \[rad/s²\].
-    pub moves: Vec<f64>,
-    /// Trajectory and cost in the true model.
-    pub trajectory: Rollout,
-}
-
-/// What the planner remembers from plan to plan.
-#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PlannerState {
-    /// Moves of the previous plan \[N\] \[rad/s²\].
-    pub moves: Vec<f64>,
-    /// How many of the moves are still to come once the first was made; 0 before the first plan.
-    pub left: usize,
-    /// Multipliers of the previous plan.
-    pub multipliers: Multipliers,
-}
-
-impl Clone for PlannerState {
-    fn clone(&self) -> Self {
-        Self {
-            moves: self.moves.clone(),
-            left: self.left,
-            multipliers: self.multipliers.clone(),
-        }
-    }
-
-    /// Without allocation where the horizons agree.
-    fn clone_from(&mut self, source: &Self) {
-        self.moves.clone_from(&source.moves);
-        self.left = source.left;
-        self.multipliers.copy_from(&source.multipliers);
-    }
-}
 
 /// Makes plans for one arm.
 pub struct Planner {
@@ -204,7 +135,8 @@ impl Planner {
 
     /// Goes on from `state`; one of another horizon counts as none.
     pub fn set_state(&mut self, state: &PlannerState) {
-        if state.moves.len() == self.state.moves.len() {
+        let horizon = self.state.moves.len();
+        if state.moves.len() == horizon && state.multipliers.fit(horizon) {
             self.state.clone_from(state);
         } else {
             self.state.left = 0;
@@ -456,144 +388,4 @@ fn brake(problem: &Problem, initial: &Initial, moves: &mut [f64]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::examples::{pendulum_feedback, pendulum_settings};
-    use super::super::solver::Outcome;
-    use super::*;
-
-    /// A solver that finds nothing, or stops too early.
-    struct Unable(SolverStatus);
-
-    impl Solver for Unable {
-        fn solve(
-            &mut self,
-            _: &Task<'_>,
-            _: &mut [f64],
-            _: &mut Rollout,
-            _: &mut Multipliers,
-        ) -> Outcome {
-            Outcome {
-                status: self.0,
-                iterations: 7,
-                convex_problems: 1,
-            }
-        }
-    }
-
-    fn planner() -> Planner {
-        let (arm, motor) = (Parameters::pendulum_mismodelled(), Motor::pendulum());
-        let (settings, feedback) = (pendulum_settings(), pendulum_feedback());
-        Planner::new(&settings, &arm, &motor, &Limits::pendulum(), &feedback).expect("admissible")
-    }
-
-    /// Starved, so that a solver is needed.
-    fn starved() -> Initial {
-        Initial {
-            angle: 0.3,
-            reference_angle: 0.3,
-            thermal_load: 10.9,
-            ..Initial::default()
-        }
-    }
-
-    fn next(plan: &Plan, initial: &Initial) -> Initial {
-        Initial {
-            angle: plan.trajectory.angle[1],
-            velocity: plan.trajectory.reference_velocity[1],
-            reference_angle: plan.trajectory.reference_angle[1],
-            reference_velocity: plan.trajectory.reference_velocity[1],
-            thermal_load: plan.trajectory.thermal_load[1],
-            ..*initial
-        }
-    }
-
-    #[test]
-    fn without_a_new_plan_the_previous_one_goes_on_to_its_end() {
-        let mut planner = planner();
-        let plan = planner.plan(&starved(), 1.2);
-        assert_eq!(plan.status, PlanStatus::Solved);
-        let (first, mut initial) = (plan.clone(), next(plan, &starved()));
-        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
-        for k in 1..40 {
-            // Too hot for the plan without inequalities.
-            initial.thermal_load = 12.0;
-            let plan = planner.plan(&initial, 0.3);
-            assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}");
-            assert_eq!(plan.moves[..40 - k], first.moves[k..]);
-            initial = next(plan, &initial);
-        }
-        assert!((initial.angle - 1.2).abs() < 1e-9);
-        assert!(initial.reference_velocity.abs() < 1e-9);
-    }
-
-    #[test]
-    fn an_unfinished_plan_that_exceeds_the_limit_gives_way_to_one_that_does_not() {
-        let mut planner = planner();
-        let plan = planner.plan(&starved(), 1.2);
-        let initial = next(plan, &starved());
-        planner.solvers = vec![Box::new(Unable(SolverStatus::IterationLimit))];
-        let plan = planner.plan(&initial, 1.4);
-        assert_eq!(plan.status, PlanStatus::ShiftedPlan);
-        assert!(plan.trajectory.excess <= THERMAL_TOLERANCE);
-    }
-
-    #[test]
-    fn without_any_plan_the_reference_is_braked_within_the_bounds() {
-        let mut planner = planner();
-        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
-        let initial = Initial {
-            reference_velocity: 2.0,
-            velocity: 2.0,
-            ..starved()
-        };
-        let plan = planner.plan(&initial, 1.2);
-        assert_eq!(plan.status, PlanStatus::Rest);
-        let (angles, velocities) = (
-            &plan.trajectory.reference_angle,
-            &plan.trajectory.reference_velocity,
-        );
-        assert!(velocities[40].abs() < 1e-12);
-        let upper = Limits::pendulum().angle_upper - 0.02;
-        assert!(angles.iter().all(|&angle| angle <= upper + 1e-12));
-        // The braking is a plan like others: it goes on.
-        let second = next(plan, &initial);
-        assert_eq!(planner.plan(&second, 1.2).status, PlanStatus::ShiftedPlan);
-    }
-
-    #[test]
-    fn a_shifted_plan_from_another_reference_is_not_followed() {
-        let mut planner = planner();
-        planner.plan(&starved(), 1.2);
-        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
-        let elsewhere = Initial {
-            reference_velocity: -1.0,
-            ..starved()
-        };
-        assert_eq!(planner.plan(&elsewhere, 1.2).status, PlanStatus::Rest);
-    }
-
-    #[test]
-    fn a_state_that_is_not_made_of_numbers_does_no_harm() {
-        let mut planner = planner();
-        let state = PlannerState {
-            moves: vec![f64::NAN; 40],
-            left: 40,
-            multipliers: Multipliers::new(40),
-        };
-        planner.set_state(&state);
-        assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
-        planner.set_state(&state);
-        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
-        let plan = planner.plan(&starved(), 1.2);
-        assert_eq!(plan.status, PlanStatus::Rest);
-        assert!(plan.moves.iter().all(|u| u.is_finite()));
-    }
-
-    #[test]
-    fn the_solvers_work_is_reported() {
-        let mut planner = planner();
-        planner.solvers = vec![Box::new(Unable(SolverStatus::Solved))];
-        let plan = planner.plan(&starved(), 1.2);
-        assert_eq!((plan.iterations, plan.convex_problems), (7, 1));
-    }
-}
+mod tests;

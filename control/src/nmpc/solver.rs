@@ -55,7 +55,7 @@ impl Task<'_> {
 }
 
 /// Multipliers of the inequalities, ∂cost/∂bound: what a solver may start from and leaves.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Multipliers {
     /// Whether a solver left them.
     pub known: bool,
@@ -78,12 +78,10 @@ impl Multipliers {
         }
     }
 
-    /// Takes over from `source`, without allocation where the horizons agree.
-    pub fn copy_from(&mut self, source: &Self) {
-        self.known = source.known;
-        self.thermal.clone_from(&source.thermal);
-        self.lower.clone_from(&source.lower);
-        self.upper.clone_from(&source.upper);
+    /// Whether these are of a plan of `horizon` intervals.
+    pub fn fit(&self, horizon: usize) -> bool {
+        let bounds = horizon.saturating_sub(1);
+        (self.thermal.len(), self.lower.len(), self.upper.len()) == (horizon, bounds, bounds)
     }
 
     /// Moves on by one interval; the last ones repeat.
@@ -91,6 +89,25 @@ impl Multipliers {
         for family in [&mut self.thermal, &mut self.lower, &mut self.upper] {
             family.copy_within(1.., 0);
         }
+    }
+}
+
+impl Clone for Multipliers {
+    fn clone(&self) -> Self {
+        Self {
+            known: self.known,
+            thermal: self.thermal.clone(),
+            lower: self.lower.clone(),
+            upper: self.upper.clone(),
+        }
+    }
+
+    /// Without allocation where the horizons agree.
+    fn clone_from(&mut self, source: &Self) {
+        self.known = source.known;
+        self.thermal.clone_from(&source.thermal);
+        self.lower.clone_from(&source.lower);
+        self.upper.clone_from(&source.upper);
     }
 }
 
@@ -122,7 +139,8 @@ pub struct Outcome {
 /// a solver rebuilt from the parameters answers bit by bit the same.
 pub trait Solver {
     /// Improves `moves` \[N\], given `rollout` of them, and leaves the best moves with their rollout.
-    /// The guess may violate any limit, and its end need not be at rest; so may `multipliers` be off.
+    /// The guess may violate any limit, and its end need not be at rest. Multipliers may be those of
+    /// another plan; a solver that has none leaves them unknown.
     fn solve(
         &mut self,
         task: &Task<'_>,

@@ -226,7 +226,6 @@ impl Kernel for Follow<'_> {
             x[0] += A::mul_add(0.5 * h * h, *u, h * x[1]);
             x[1] = A::mul_add(h, *u, x[1]);
         }
-        transcription.end_at_rest(moves);
     }
 }
 

@@ -366,7 +366,7 @@ mod tests {
 
     #[test]
     fn the_missing_library_is_named() {
-        let binary = Path::new("/tmp/x/binaries/linux64/m.so");
+        let binary = Path::new("/x/binaries/linux64/m.so");
         let reason = "libgfortran.so.3: cannot open shared object file: No such file or directory";
         assert_eq!(
             missing_library(reason, binary).as_deref(),

@@ -83,8 +83,8 @@ mod tests {
     #[test]
     fn uris_escape_what_is_reserved() {
         assert_eq!(
-            file_uri(Path::new("/tmp/a b/50%#ä/resources")),
-            "file:///tmp/a%20b/50%25%23%C3%A4/resources"
+            file_uri(Path::new("/a b/50%#ä/resources")),
+            "file:///a%20b/50%25%23%C3%A4/resources"
         );
     }
 

@@ -82,6 +82,7 @@ impl Conic {
         };
         let convex = Convex::new(transcription, hessian);
         let ((p, a), (q, b)) = (convex.matrices(), convex.vectors());
+        // Set-up, not a sample; Clarabel refuses only dimensions and settings that contradict each other.
         let clarabel = DefaultSolver::new(p, q, a, b, &convex.cones(), settings)
             .expect("dimensions and settings agree by construction");
         Self {
@@ -95,16 +96,16 @@ impl Conic {
     }
 
     /// Solves the convex problem around `rollout` of `moves`; its answer, in the true model, is the trial.
+    /// None if Clarabel refuses the data.
     fn try_step(
         &mut self,
         task: &Task<'_>,
         moves: &[f64],
         rollout: &Rollout,
         damping: f64,
-    ) -> (Ended, Promise) {
+    ) -> Option<(Ended, Promise)> {
         self.convex.pose(task, moves, rollout, damping);
-        let updated = self.convex.update(&mut self.clarabel);
-        updated.expect("patterns agree by construction");
+        self.convex.update(&mut self.clarabel).ok()?;
         self.clarabel.solve();
         let solution = &self.clarabel.solution;
         let sigma = self.convex.sigma();
@@ -118,7 +119,7 @@ impl Conic {
         let promise = self
             .convex
             .promise(task, solution, rollout, &self.trial_rollout);
-        (solution.status, promise)
+        Some((solution.status, promise))
     }
 }
 
@@ -128,8 +129,9 @@ impl Solver for Conic {
         task: &Task<'_>,
         moves: &mut [f64],
         rollout: &mut Rollout,
-        _: &mut Multipliers,
+        multipliers: &mut Multipliers,
     ) -> Outcome {
+        multipliers.known = false;
         self.spline.fit(task.transcription, rollout);
         self.spline.fix_ends(task.transcription);
         self.spline.moves(task.transcription, moves);
@@ -144,7 +146,9 @@ impl Solver for Conic {
         let mut bounded = task.angle_excess(rollout) <= ANGLE_TOLERANCE;
         let mut damping = 0.0;
         while outcome.convex_problems < MAX_CONVEX_PROBLEMS {
-            let (ended, promise) = self.try_step(task, moves, rollout, damping);
+            let Some((ended, promise)) = self.try_step(task, moves, rollout, damping) else {
+                break;
+            };
             outcome.iterations += self.clarabel.solution.iterations;
             outcome.convex_problems += 1;
             if matches!(

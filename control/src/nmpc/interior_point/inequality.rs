@@ -17,12 +17,17 @@ use arm::Arithmetic;
 
 /// Part of the way to the boundary that a step may go.
 const TO_BOUNDARY: f64 = 0.995;
+/// Largest multiplier at the start, in units of the price; at the price itself the excess has no bound.
+const BELOW_PRICE: f64 = 0.9;
+/// Largest multiplier at the start where there is no price.
+const STEEPEST_START: f64 = 1e12;
 /// Running sums and maxima that are kept side by side, for the sake of vector instructions.
 const LANES: usize = 4;
 /// Factors of a product whose logarithm is taken at once; 16 numbers of 1e-18 do not underflow.
 const FACTORS: usize = 16;
 
-/// The larger number, by one instruction: `f64::max` takes care of NaN, of which there is none here.
+/// The larger number, by one instruction. Unlike `f64::max` it may lose a NaN; the merit of the step, which
+/// is one then, tells.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -109,9 +114,9 @@ impl Inequalities {
             steps.fill(0.0);
         }
         let highest = if self.elastic() {
-            0.9 * self.price
+            BELOW_PRICE * self.price
         } else {
-            1e12
+            STEEPEST_START
         };
         for i in self.lost..self.len() {
             let guess = self.multiplier[i].min(highest);
@@ -149,11 +154,12 @@ impl Inequalities {
     /// Weights and slopes of a step towards products of zero.
     #[inline(always)]
     pub fn predict(&mut self) {
+        let elastic = self.elastic();
         let rows = self.lost..self.len();
         let (c, s) = (&self.value[rows.clone()], &self.slack[rows.clone()]);
         let (t, lambda) = (&self.excess[rows.clone()], &self.multiplier[rows.clone()]);
         let weight = &mut self.weight[rows.clone()];
-        if self.price.is_finite() {
+        if elastic {
             for i in 0..c.len() {
                 // 1/(s/λ + t/ν) with one division.
                 let nu = self.price - lambda[i];
@@ -174,6 +180,7 @@ impl Inequalities {
     /// Slopes of a step towards products of `mu`, corrected by the products of the latest changes.
     #[inline(always)]
     pub fn correct(&mut self, mu: f64) {
+        let elastic = self.elastic();
         let rows = self.lost..self.len();
         let (c, lambda) = (&self.value[rows.clone()], &self.multiplier[rows.clone()]);
         let weight = &self.weight[rows.clone()];
@@ -189,7 +196,7 @@ impl Inequalities {
             of_slack[i] = mu - multiplier_step[i] * slack_step[i];
             shift[i] = c[i] + of_slack[i] / lambda[i];
         }
-        if self.price.is_finite() {
+        if elastic {
             for i in 0..c.len() {
                 of_excess[i] = mu + multiplier_step[i] * excess_step[i];
                 shift[i] -= of_excess[i] / (self.price - lambda[i]);
@@ -211,6 +218,7 @@ impl Inequalities {
     /// keep s, t > 0, and 0 < λ < ρ.
     #[inline(always)]
     pub fn step<A: Arithmetic>(&mut self, sign: f64, change: &[f64]) -> [f64; 2] {
+        let elastic = self.elastic();
         let rows = self.lost..self.len();
         let change = &change[rows.clone()];
         let (s, t) = (&self.slack[rows.clone()], &self.excess[rows.clone()]);
@@ -229,7 +237,7 @@ impl Inequalities {
             slack_step[i] = A::mul_add(-s[i] * inverse, step, of_slack[i] * inverse - s[i]);
             multiplier_step[i] = step;
         }
-        if self.price.is_finite() {
+        if elastic {
             for i in 0..change.len() {
                 let inverse = 1.0 / (self.price - lambda[i]);
                 let step = multiplier_step[i];
@@ -262,7 +270,7 @@ impl Inequalities {
             let after = lambda[i] + dual * multiplier_step[i];
             gap[i % LANES] += after * (s[i] + primal * slack_step[i]);
         }
-        if self.price.is_finite() {
+        if self.elastic() {
             for i in 0..s.len() {
                 let after = self.price - (lambda[i] + dual * multiplier_step[i]);
                 gap[i % LANES] += after * (t[i] + primal * excess_step[i]);
@@ -325,5 +333,68 @@ impl Inequalities {
                     + self.value[..self.lost].iter().sum::<f64>());
         }
         excess - mu * logarithms + weight * self.residuals()[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arm::Separate;
+    use proptest::prelude::*;
+
+    /// The equations of the module's head, linearised.
+    fn assert_solved(family: &Inequalities, sign: f64, change: &[f64], mu: [&[f64]; 2]) {
+        for i in 0..change.len() {
+            let (c, s, t) = (family.value[i], family.slack[i], family.excess[i]);
+            let (ds, dt) = (family.slack_step[i], family.excess_step[i]);
+            let (lambda, step) = (family.multiplier[i], family.multiplier_step[i]);
+            let row = c + sign * change[i] + (s + ds) - (t + dt);
+            assert!(row.abs() < 1e-9, "{row}");
+            let product = lambda * ds + s * step + lambda * s - mu[0][i];
+            assert!(product.abs() < 1e-9, "{product}");
+            if family.elastic() {
+                let nu = family.price - lambda;
+                let product = nu * dt - t * step + nu * t - mu[1][i];
+                assert!(product.abs() < 1e-9, "{product}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn steps_solve_the_linearised_equations(
+            values in prop::collection::vec(-2.0..2.0_f64, 7), change in prop::collection::vec(-1.0..1.0_f64, 7),
+            mu in 1e-3..0.5_f64, elastic: bool, sign in prop_oneof![Just(1.0), Just(-1.0)],
+        ) {
+            let mut family = Inequalities::new(7, if elastic { 10.0 } else { f64::INFINITY });
+            family.value.copy_from_slice(&values);
+            family.start(mu, 0.1);
+            prop_assert!((family.gap() - mu * family.products()).abs() < 1e-9);
+            family.predict();
+            family.aim_at_zero();
+            let [primal, dual] = family.step::<Separate>(sign, &change);
+            assert_solved(&family, sign, &change, [&[0.0; 7], &[0.0; 7]]);
+
+            // Whatever the step, what must be positive stays so.
+            for i in 0..7 {
+                let lambda = family.multiplier[i] + dual * family.multiplier_step[i];
+                prop_assert!(family.slack[i] + primal * family.slack_step[i] > 0.0);
+                prop_assert!(lambda > 0.0 && lambda < family.price);
+                prop_assert!(!elastic || family.excess[i] + primal * family.excess_step[i] > 0.0);
+            }
+
+            let target = 0.1 * mu;
+            let products = |steps: &[f64], sign: f64| -> Vec<f64> {
+                let pairs = steps.iter().zip(&family.multiplier_step);
+                pairs.map(|(a, b)| target + sign * a * b).collect()
+            };
+            let expected = [
+                products(&family.slack_step, -1.0),
+                products(&family.excess_step, 1.0),
+            ];
+            family.correct(target);
+            family.step::<Separate>(sign, &change);
+            assert_solved(&family, sign, &change, [&expected[0], &expected[1]]);
+        }
     }
 }

@@ -4,9 +4,9 @@
 //! # Method
 //! The moves are the only variables: every iterate is rolled out in the true model, so that θr, ωr and T
 //! are exact and the last two moves lead to rest (eq 27). What remains are the inequalities of eqs 25 and
-//! 26 ([`inequality`]), the thermal ones with an excess at the price of [`Task::merit`]. An iteration
+//! 26 (`inequality`), the thermal ones with an excess at the price of [`Task::merit`]. An iteration
 //!
-//! 1. linearises around the rollout and factorises once ([`newton`]), with the exact curvature of heat if
+//! 1. linearises around the rollout and factorises once (`newton`), with the exact curvature of heat if
 //!    that has a minimum, with its convex part otherwise;
 //! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
 //!    Mehrotra's correction;
@@ -25,8 +25,8 @@
 //! A plan that goes on from the previous one brings its multipliers along and starts with small products;
 //! any other starts from the guess with large ones.
 
-pub mod inequality;
-pub mod newton;
+mod inequality;
+mod newton;
 
 use arm::{Arithmetic, Kernel};
 
@@ -60,7 +60,7 @@ const COLD: f64 = 1e-2;
 const WARM: f64 = 1e-6;
 
 /// The interior point solver for `S` states.
-pub struct InteriorPoint<const S: usize> {
+struct InteriorPoint<const S: usize> {
     newton: Newton<S>,
     thermal: Inequalities,
     lower: Inequalities,
@@ -216,7 +216,8 @@ impl<const S: usize> InteriorPoint<S> {
         Some(Step { mu, primal, dual })
     }
 
-    /// Shortens the step until the merit falls, and takes it; false if it leads nowhere finite.
+    /// Shortens the step until the merit falls, or [`MAX_TRIALS`] times, and takes it; false if it leads
+    /// nowhere finite.
     #[inline(always)]
     fn search<A: Arithmetic>(
         &mut self,

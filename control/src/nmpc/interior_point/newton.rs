@@ -159,7 +159,6 @@ impl<const S: usize> Newton<S> {
     pub fn new(transcription: &Transcription) -> Self {
         let problem = transcription.problem();
         let horizon = problem.horizon;
-        let kinds = if problem.growth == 1.0 { 1 } else { horizon };
         let last = transcription.interval(horizon - 1).length;
         let ends = deadbeat(transcription.interval(horizon - 2).length, last);
         let idle = Linear {
@@ -175,8 +174,10 @@ impl<const S: usize> Newton<S> {
             },
         };
         Self {
-            forms: (0..kinds)
-                .map(|k| reduced(&Form::new(problem, transcription.interval(k))))
+            forms: transcription
+                .intervals()
+                .iter()
+                .map(|interval| reduced(&Form::new(problem, interval)))
                 .collect(),
             ends: ends.map(|end| {
                 let mut gain = [0.0; S];
@@ -406,3 +407,6 @@ fn reduced<const S: usize>(full: &Form<STATES>) -> Form<S> {
     }
     form
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+//! A plan, how it came to be, and what is remembered of it.
+
+use serde::{Deserialize, Serialize};
+
+use super::rollout::Rollout;
+use super::solver::Multipliers;
+use crate::Reference;
+
+/// How the plan in use came to be; numbered as `PlanStatus` in the contract.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(i32)]
+pub enum PlanStatus {
+    /// No plan.
+    #[default]
+    Idle = 0,
+    /// Solved to tolerance.
+    Solved = 1,
+    /// Solved for the admissible rest point nearest to the setpoint.
+    GoalProjected = 2,
+    /// Solved, but the thermal limit could not be kept: the least excess was planned.
+    ThermalSlack = 3,
+    /// Admissible, but the solver was stopped before it converged.
+    IterationLimit = 4,
+    /// No new plan was found: the previous plan, shifted.
+    ShiftedPlan = 5,
+    /// No plan was found and none is left: the reference is brought to rest.
+    Rest = 6,
+    /// A measurement was not a number: the last good command is held.
+    MeasurementHeld = 7,
+    /// Solved, but start and terminal rest left no way within the angle bounds: they were widened.
+    AngleSlack = 8,
+}
+
+/// A plan.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// How it came to be.
+    pub status: PlanStatus,
+    /// Interior-point iterations; 0 for a plan in closed form.
+    pub iterations: u32,
+    /// Convex problems that Clarabel solved.
+    pub convex_problems: u32,
+    /// Rest point at the end \[rad\].
+    pub goal: f64,
+    /// u \[N\] \[rad/s²\].
+    pub moves: Vec<f64>,
+    /// Trajectory and cost in the true model.
+    pub trajectory: Rollout,
+}
+
+/// A plan at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// Time since the plan was made \[s\].
+    pub time: f64,
+    /// θ \[rad\].
+    pub angle: f64,
+    /// θr, ωr and u.
+    pub reference: Reference,
+    /// T \[A²\].
+    pub thermal_load: f64,
+}
+
+impl Plan {
+    /// The plan at `position` = 0..N, counted in shooting intervals of `period` \[s\] from its start. The
+    /// reference is exact between nodes, u being constant there; angle and thermal load are linear. O(1).
+    pub fn at(&self, position: f64, period: f64) -> Instant {
+        let interval = (position as usize).min(self.moves.len() - 1);
+        let part = position - interval as f64;
+        let between = |values: &[f64]| {
+            let (from, to) = (values[interval], values[interval + 1]);
+            if part == 0.0 {
+                from
+            } else {
+                from + part * (to - from)
+            }
+        };
+        let nodes = &self.trajectory;
+        let node = Reference {
+            angle: nodes.reference_angle[interval],
+            velocity: nodes.reference_velocity[interval],
+            acceleration: self.moves[interval],
+        };
+        Instant {
+            time: position * period,
+            angle: between(&nodes.angle),
+            reference: node.advanced(part * period),
+            thermal_load: between(&nodes.thermal_load),
+        }
+    }
+}
+
+/// What the planner remembers from plan to plan.
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlannerState {
+    /// Moves of the previous plan \[N\] \[rad/s²\].
+    pub moves: Vec<f64>,
+    /// How many of the moves are still to come once the first was made; 0 before the first plan.
+    pub left: usize,
+    /// Multipliers of the previous plan.
+    pub multipliers: Multipliers,
+}
+
+impl Clone for PlannerState {
+    fn clone(&self) -> Self {
+        Self {
+            moves: self.moves.clone(),
+            left: self.left,
+            multipliers: self.multipliers.clone(),
+        }
+    }
+
+    /// Without allocation where the horizons agree.
+    fn clone_from(&mut self, source: &Self) {
+        self.moves.clone_from(&source.moves);
+        self.left = source.left;
+        self.multipliers.clone_from(&source.multipliers);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_nodes_the_reference_moves_as_u_says() {
+        let mut trajectory = Rollout::new(2);
+        trajectory.angle = vec![1.0, 1.2, 1.3];
+        trajectory.reference_angle = vec![1.0, 1.25, 2.0];
+        trajectory.reference_velocity = vec![0.0, 1.0, 2.0];
+        trajectory.thermal_load = vec![4.0, 6.0, 5.0];
+        let plan = Plan {
+            status: PlanStatus::Solved,
+            iterations: 0,
+            convex_problems: 0,
+            goal: 2.0,
+            moves: vec![2.0, 2.0],
+            trajectory,
+        };
+        let middle = plan.at(0.5, 0.5);
+        assert_eq!((middle.time, middle.thermal_load), (0.25, 5.0));
+        assert!((middle.angle - 1.1).abs() < 1e-15);
+        assert_eq!(
+            (middle.reference.angle, middle.reference.velocity),
+            (1.0625, 0.5)
+        );
+        // At the nodes the values are those of the nodes, the last move repeats.
+        let end = plan.at(2.0, 0.5);
+        assert!((end.angle - 1.3).abs() < 1e-15 && end.thermal_load == 5.0);
+        assert_eq!(
+            (end.reference.angle, end.reference.acceleration),
+            (2.0, 2.0)
+        );
+    }
+}

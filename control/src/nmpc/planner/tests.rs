@@ -1,0 +1,186 @@
+use super::super::examples::feedback;
+use super::super::solver::Outcome;
+use super::*;
+
+/// A solver that finds nothing, or stops too early.
+struct Unable(SolverStatus);
+
+impl Solver for Unable {
+    fn solve(
+        &mut self,
+        _: &Task<'_>,
+        _: &mut [f64],
+        _: &mut Rollout,
+        _: &mut Multipliers,
+    ) -> Outcome {
+        Outcome {
+            status: self.0,
+            iterations: 7,
+            convex_problems: 1,
+        }
+    }
+}
+
+fn planner() -> Planner {
+    let settings = crate::Settings::pendulum();
+    let crate::Settings {
+        arm,
+        motor,
+        limits,
+        nmpc,
+        ..
+    } = &settings;
+    Planner::new(nmpc, arm, motor, limits, &feedback(&settings)).expect("admissible")
+}
+
+/// Starved, so that a solver is needed.
+fn starved() -> Initial {
+    Initial {
+        angle: 0.3,
+        reference_angle: 0.3,
+        thermal_load: 10.9,
+        ..Initial::default()
+    }
+}
+
+fn next(plan: &Plan, initial: &Initial) -> Initial {
+    Initial {
+        angle: plan.trajectory.angle[1],
+        velocity: plan.trajectory.reference_velocity[1],
+        reference_angle: plan.trajectory.reference_angle[1],
+        reference_velocity: plan.trajectory.reference_velocity[1],
+        thermal_load: plan.trajectory.thermal_load[1],
+        ..*initial
+    }
+}
+
+#[test]
+fn without_a_new_plan_the_previous_one_goes_on_to_its_end() {
+    let mut planner = planner();
+    let plan = planner.plan(&starved(), 1.2);
+    assert_eq!(plan.status, PlanStatus::Solved);
+    let (first, mut initial) = (plan.clone(), next(plan, &starved()));
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    for k in 1..40 {
+        // Too hot for the plan without inequalities.
+        initial.thermal_load = 12.0;
+        let plan = planner.plan(&initial, 0.3);
+        assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}");
+        assert_eq!(plan.moves[..40 - k], first.moves[k..]);
+        initial = next(plan, &initial);
+    }
+    assert!((initial.angle - 1.2).abs() < 1e-9);
+    assert!(initial.reference_velocity.abs() < 1e-9);
+}
+
+#[test]
+fn an_unfinished_plan_that_exceeds_the_limit_gives_way_to_one_that_does_not() {
+    let mut planner = planner();
+    let plan = planner.plan(&starved(), 1.2);
+    let initial = next(plan, &starved());
+    planner.solvers = vec![Box::new(Unable(SolverStatus::IterationLimit))];
+    let plan = planner.plan(&initial, 1.4);
+    assert_eq!(plan.status, PlanStatus::ShiftedPlan);
+    assert!(plan.trajectory.excess <= THERMAL_TOLERANCE);
+}
+
+#[test]
+fn without_any_plan_the_reference_is_braked_within_the_bounds() {
+    let mut planner = planner();
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    let initial = Initial {
+        reference_velocity: 2.0,
+        velocity: 2.0,
+        ..starved()
+    };
+    let plan = planner.plan(&initial, 1.2);
+    assert_eq!(plan.status, PlanStatus::Rest);
+    let (angles, velocities) = (
+        &plan.trajectory.reference_angle,
+        &plan.trajectory.reference_velocity,
+    );
+    assert!(velocities[40].abs() < 1e-12);
+    let upper = Limits::pendulum().angle_upper - 0.02;
+    assert!(angles.iter().all(|&angle| angle <= upper + 1e-12));
+    // The braking is a plan like others: it goes on.
+    let second = next(plan, &initial);
+    assert_eq!(planner.plan(&second, 1.2).status, PlanStatus::ShiftedPlan);
+}
+
+#[test]
+fn a_shifted_plan_from_another_reference_is_not_followed() {
+    let mut planner = planner();
+    planner.plan(&starved(), 1.2);
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    let elsewhere = Initial {
+        reference_velocity: -1.0,
+        ..starved()
+    };
+    assert_eq!(planner.plan(&elsewhere, 1.2).status, PlanStatus::Rest);
+}
+
+#[test]
+fn a_state_that_is_not_made_of_numbers_does_no_harm() {
+    let mut planner = planner();
+    let state = PlannerState {
+        moves: vec![f64::NAN; 40],
+        left: 40,
+        multipliers: Multipliers {
+            known: true,
+            thermal: vec![f64::NAN; 40],
+            lower: vec![f64::INFINITY; 39],
+            upper: vec![-1.0; 39],
+        },
+    };
+    planner.set_state(&state);
+    assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
+    planner.set_state(&state);
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    let plan = planner.plan(&starved(), 1.2);
+    assert_eq!(plan.status, PlanStatus::Rest);
+    assert!(plan.moves.iter().all(|u| u.is_finite()));
+}
+
+#[test]
+fn the_solvers_work_is_reported() {
+    let mut planner = planner();
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Solved))];
+    let plan = planner.plan(&starved(), 1.2);
+    assert_eq!((plan.iterations, plan.convex_problems), (7, 1));
+}
+
+#[test]
+fn multipliers_of_another_length_count_as_no_state() {
+    let mut planner = planner();
+    planner.plan(&starved(), 1.2);
+    for thermal in [vec![], vec![0.0; 41]] {
+        let mut state = planner.state().clone();
+        state.multipliers.thermal = thermal;
+        planner.set_state(&state);
+        assert_eq!(planner.state().left, 0);
+        assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
+    }
+}
+
+/// Numbers of any kind for multipliers cost iterations at most.
+#[test]
+fn wrong_multipliers_still_lead_to_the_plan() {
+    let mut planner = planner();
+    let first = planner.plan(&starved(), 1.2).clone();
+    let initial = next(&first, &starved());
+    let state = planner.state().clone();
+    let expected = planner.plan(&initial, 1.2).trajectory.cost;
+    for wrong in [f64::NAN, f64::INFINITY, -1.0, 1e300] {
+        let mut state = state.clone();
+        state.multipliers.thermal.fill(wrong);
+        state.multipliers.upper.fill(wrong);
+        planner.set_state(&state);
+        let plan = planner.plan(&initial, 1.2);
+        assert_eq!(plan.status, PlanStatus::Solved, "{wrong}");
+        let cost = plan.trajectory.cost;
+        assert!(
+            (cost - expected).abs() <= 1e-6 * expected,
+            "{wrong}: {cost} {expected}"
+        );
+    }
+}
