@@ -4,7 +4,7 @@
 //! | part | question | module |
 //! |---|---|---|
 //! | problem | what is optimised? | [`problem`], from the contract's [`settings`] |
-//! | transcription | how does it become numbers? | [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
+//! | transcription | how does it become numbers? | [`grid`], [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], its [`plan`], [`rest`] |
 //!
@@ -38,6 +38,7 @@
 //! ```
 
 pub mod conic;
+pub mod grid;
 pub mod interior_point;
 pub mod linear_quadratic;
 pub mod plan;

@@ -29,6 +29,8 @@ pub enum PlanStatus {
     MeasurementHeld = 7,
     /// Solved, but start and terminal rest left no way within the angle bounds: they were widened.
     AngleSlack = 8,
+    /// Admissible, but the deadline came before the solver converged.
+    Deadline = 9,
 }
 
 /// A plan.
@@ -42,6 +44,8 @@ pub struct Plan {
     pub convex_problems: u32,
     /// Rest point at the end \[rad\].
     pub goal: f64,
+    /// Time of the shooting nodes from the start of the plan \[N + 1\] \[s\].
+    pub time: Vec<f64>,
     /// u \[N\] \[rad/s²\].
     pub moves: Vec<f64>,
     /// Trajectory and cost in the true model.
@@ -51,7 +55,7 @@ pub struct Plan {
 /// A plan at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
-    /// Time since the plan was made \[s\].
+    /// Time from the start of the plan \[s\].
     pub time: f64,
     /// θ \[rad\].
     pub angle: f64,
@@ -62,9 +66,9 @@ pub struct Instant {
 }
 
 impl Plan {
-    /// The plan at `position` = 0..N, counted in shooting intervals of `period` \[s\] from its start. The
-    /// reference is exact between nodes, u being constant there; angle and thermal load are linear. O(1).
-    pub fn at(&self, position: f64, period: f64) -> Instant {
+    /// The plan at `position` = 0..N, counted in shooting intervals from its start. The reference is exact
+    /// between nodes, u being constant there; angle and thermal load are linear. O(1).
+    pub fn at(&self, position: f64) -> Instant {
         let interval = (position as usize).min(self.moves.len() - 1);
         let part = position - interval as f64;
         let between = |values: &[f64]| {
@@ -82,9 +86,9 @@ impl Plan {
             acceleration: self.moves[interval],
         };
         Instant {
-            time: position * period,
+            time: between(&self.time),
             angle: between(&nodes.angle),
-            reference: node.advanced(part * period),
+            reference: node.advanced(part * (self.time[interval + 1] - self.time[interval])),
             thermal_load: between(&nodes.thermal_load),
         }
     }
@@ -93,11 +97,11 @@ impl Plan {
 /// What the planner remembers from plan to plan.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlannerState {
-    /// Moves of the previous plan \[N\] \[rad/s²\].
+    /// Moves of the latest plan that was found, or of braking to rest \[N\] \[rad/s²\].
     pub moves: Vec<f64>,
-    /// How many of the moves are still to come once the first was made; 0 before the first plan.
-    pub left: usize,
-    /// Multipliers of the previous plan.
+    /// How many periods ago that was; none before the first plan.
+    pub age: Option<u32>,
+    /// Multipliers of the latest plan.
     pub multipliers: Multipliers,
 }
 
@@ -105,7 +109,7 @@ impl Clone for PlannerState {
     fn clone(&self) -> Self {
         Self {
             moves: self.moves.clone(),
-            left: self.left,
+            age: self.age,
             multipliers: self.multipliers.clone(),
         }
     }
@@ -113,7 +117,7 @@ impl Clone for PlannerState {
     /// Without allocation where the horizons agree.
     fn clone_from(&mut self, source: &Self) {
         self.moves.clone_from(&source.moves);
-        self.left = source.left;
+        self.age = source.age;
         self.multipliers.clone_from(&source.multipliers);
     }
 }
@@ -134,10 +138,11 @@ mod tests {
             iterations: 0,
             convex_problems: 0,
             goal: 2.0,
+            time: vec![0.0, 0.5, 1.0],
             moves: vec![2.0, 2.0],
             trajectory,
         };
-        let middle = plan.at(0.5, 0.5);
+        let middle = plan.at(0.5);
         assert_eq!((middle.time, middle.thermal_load), (0.25, 5.0));
         assert!((middle.angle - 1.1).abs() < 1e-15);
         assert_eq!(
@@ -145,7 +150,7 @@ mod tests {
             (1.0625, 0.5)
         );
         // At the nodes the values are those of the nodes, the last move repeats.
-        let end = plan.at(2.0, 0.5);
+        let end = plan.at(2.0);
         assert!((end.angle - 1.3).abs() < 1e-15 && end.thermal_load == 5.0);
         assert_eq!(
             (end.reference.angle, end.reference.acceleration),

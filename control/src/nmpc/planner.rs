@@ -8,18 +8,24 @@
 //! 4. Where no plan comes out, the previous plan goes on, shifted: it ends at rest. Where none is left,
 //!    the reference is braked to rest.
 //!
+//! With a clock ([`Planner::set_clock`]) the solvers stop before the deadline; the best of their iterates is
+//! then the plan if it keeps the limits, and step 4 follows otherwise.
+//!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
 use super::conic::Conic;
+use super::grid::Grid;
 use super::interior_point;
 use super::plan::{Plan, PlanStatus, PlannerState};
 use super::problem::{FeedbackModel, Initial, Problem};
 use super::rest::RestPoints;
 use super::rollout::Rollout;
 use super::settings::{Method, Settings};
-use super::solver::{ANGLE_TOLERANCE, Multipliers, Solver, SolverStatus, THERMAL_TOLERANCE, Task};
+use super::solver::{
+    ANGLE_TOLERANCE, Clock, Multipliers, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit,
+};
 use super::spline;
 use super::transcription::Transcription;
 use super::unconstrained::Unconstrained;
@@ -38,6 +44,12 @@ const REST_TOLERANCE: f64 = 1e-6;
 /// Makes plans for one arm.
 pub struct Planner {
     transcription: Transcription,
+    grid: Grid,
+    /// Time for a plan \[s\]; 0: any.
+    deadline: f64,
+    clock: Option<Box<dyn Clock>>,
+    /// When the plan at hand must be ready \[s\].
+    end: f64,
     rest: RestPoints,
     unconstrained: Unconstrained,
     /// Tried in this order; none for N = 2, where terminal rest leaves no choice.
@@ -67,6 +79,7 @@ impl Planner {
         let problem = settings.problem(arm, motor, limits, feedback)?;
         let horizon = problem.horizon;
         let transcription = Transcription::new(problem, settings.instructions);
+        let grid = Grid::new(&problem);
         let unconstrained = Unconstrained::new(&transcription).ok_or_else(|| {
             vec![Inadmissible {
                 name: "nmpc.weight_acceleration",
@@ -100,7 +113,7 @@ impl Planner {
             angle_bounds: vec![[0.0; 2]; horizon - 1],
             state: PlannerState {
                 moves: vec![0.0; horizon],
-                left: 0,
+                age: None,
                 multipliers: Multipliers::new(horizon),
             },
             plan: Plan {
@@ -108,14 +121,24 @@ impl Planner {
                 iterations: 0,
                 convex_problems: 0,
                 goal: 0.0,
+                time: grid.nodes().to_vec(),
                 moves: vec![0.0; horizon],
                 trajectory: Rollout::new(horizon),
             },
             shifted: Rollout::new(horizon),
             guess: vec![0.0; horizon],
             guess_trajectory: Rollout::new(horizon),
+            deadline: settings.deadline,
+            clock: None,
+            end: f64::INFINITY,
+            grid,
             transcription,
         })
+    }
+
+    /// Tells the time from now on, without which no deadline is kept.
+    pub fn set_clock(&mut self, clock: Box<dyn Clock>) {
+        self.clock = Some(clock);
     }
 
     /// The problem that is solved.
@@ -139,7 +162,7 @@ impl Planner {
         if state.moves.len() == horizon && state.multipliers.fit(horizon) {
             self.state.clone_from(state);
         } else {
-            self.state.left = 0;
+            self.state.age = None;
         }
     }
 
@@ -147,11 +170,11 @@ impl Planner {
     /// before. If start or setpoint is not a finite number the previous moves go on and the trajectory
     /// stays.
     pub fn plan(&mut self, initial: &Initial, setpoint: f64) -> &Plan {
-        self.state.moves.rotate_left(1);
-        if let Some(last) = self.state.moves.last_mut() {
-            *last = 0.0;
+        if let Some(clock) = &self.clock {
+            self.end = clock.now() + self.deadline;
         }
-        self.state.multipliers.shift();
+        self.state.age = self.state.age.map(|age| age.saturating_add(1));
+        self.grid.shift(&mut self.state.multipliers);
         (self.plan.iterations, self.plan.convex_problems) = (0, 0);
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
@@ -159,13 +182,23 @@ impl Planner {
             self.transcription.set(*initial, self.plan.goal);
         }
         let status = if finite { self.solve(setpoint) } else { None };
-        self.state.left = match status {
-            Some(_) => self.plan.moves.len(),
-            None => self.state.left.saturating_sub(1),
-        };
         self.plan.status = status.unwrap_or_else(|| self.fall_back(initial, finite));
-        self.state.moves.copy_from_slice(&self.plan.moves);
+        if self.plan.status != PlanStatus::ShiftedPlan {
+            self.state.age = Some(0);
+            self.state.moves.copy_from_slice(&self.plan.moves);
+        }
         &self.plan
+    }
+
+    /// The moves in memory as they go on from now, in `guess`; false if there are none any more.
+    fn shift_moves(&mut self) -> bool {
+        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * self.problem().period;
+        // A whole number of periods misses the end by rounding.
+        let left = ago < self.grid.duration() * (1.0 - 1e-9);
+        if left {
+            self.grid.shifted(&self.state.moves, ago, &mut self.guess);
+        }
+        left
     }
 
     /// Makes a new plan; none if there is none worth having.
@@ -187,7 +220,12 @@ impl Planner {
             self.run_solvers()
         };
 
-        if status == SolverStatus::IterationLimit {
+        let stopped = match status {
+            SolverStatus::IterationLimit => Some(PlanStatus::IterationLimit),
+            SolverStatus::OutOfTime => Some(PlanStatus::Deadline),
+            SolverStatus::Solved | SolverStatus::Infeasible => None,
+        };
+        if stopped.is_some() {
             self.roll_out_fall_back();
         }
         let Plan {
@@ -208,29 +246,27 @@ impl Planner {
             SolverStatus::Solved if widened => Some(PlanStatus::AngleSlack),
             SolverStatus::Solved if self.plan.goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
-            SolverStatus::IterationLimit if self.task().admits(trajectory) => {
-                Some(PlanStatus::IterationLimit)
-            }
+            SolverStatus::Infeasible => None,
+            _ if self.task().admits(trajectory) => stopped,
             // Excess is near its least long before the sequence settles; it is taken unless going on as
             // before, or braking, exceeds the limit by less.
-            SolverStatus::IterationLimit
-                if self.task().angle_excess(trajectory) <= ANGLE_TOLERANCE
-                    && trajectory.total_excess <= NEARLY_LEAST * self.shifted.total_excess =>
+            _ if self.task().angle_excess(trajectory) <= ANGLE_TOLERANCE
+                && trajectory.total_excess <= NEARLY_LEAST * self.shifted.total_excess =>
             {
                 Some(PlanStatus::ThermalSlack)
             }
-            SolverStatus::IterationLimit | SolverStatus::Infeasible => None,
+            _ => None,
         }
     }
 
     /// Rolls out what there is without a new plan: the previous one, shifted, or braking.
     fn roll_out_fall_back(&mut self) {
+        let left = self.shift_moves();
         let transcription = &self.transcription;
-        if self.state.left > 0 {
-            self.guess.copy_from_slice(&self.state.moves);
-        } else {
+        if !left {
             brake(
                 transcription.problem(),
+                self.grid.nodes(),
                 transcription.initial(),
                 &mut self.guess,
             );
@@ -270,7 +306,11 @@ impl Planner {
 
     fn run_solver(&mut self, index: usize) -> SolverStatus {
         let plan = &mut self.plan;
-        let task = task(&self.transcription, &self.angle_bounds, self.cost_scale);
+        let time_limit = time_limit(self.clock.as_deref(), self.deadline, self.end);
+        let task = Task {
+            time_limit,
+            ..task(&self.transcription, &self.angle_bounds, self.cost_scale)
+        };
         let outcome = self.solvers[index].solve(
             &task,
             &mut plan.moves,
@@ -284,12 +324,11 @@ impl Planner {
 
     /// Replaces the plan by the previous one, shifted and led to the goal, if that is better.
     fn guess_from_shifted(&mut self) {
-        if self.state.left == 0 {
+        if !self.shift_moves() {
             self.state.multipliers.known = false;
             return;
         }
         let transcription = &self.transcription;
-        self.guess.copy_from_slice(&self.state.moves);
         transcription.end_at_rest(&mut self.guess);
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
         let task = self.task();
@@ -308,12 +347,17 @@ impl Planner {
 
     /// Goes on with the previous moves if they still end at rest, else brakes.
     fn fall_back(&mut self, initial: &Initial, finite: bool) -> PlanStatus {
+        let left = self.shift_moves();
         let transcription = &self.transcription;
         let Plan {
-            moves, trajectory, ..
+            moves,
+            trajectory,
+            time,
+            ..
         } = &mut self.plan;
-        moves.copy_from_slice(&self.state.moves);
-        let gained = moves.iter().sum::<f64>() * transcription.problem().period;
+        moves.copy_from_slice(&self.guess);
+        let intervals = moves.iter().zip(time.windows(2));
+        let gained: f64 = intervals.map(|(u, node)| u * (node[1] - node[0])).sum();
         let ends_at_rest = if finite {
             let start = initial.reference_velocity;
             (start + gained).abs() <= REST_TOLERANCE * (1.0 + start.abs())
@@ -321,10 +365,9 @@ impl Planner {
             gained.is_finite()
         };
         let mut status = PlanStatus::ShiftedPlan;
-        if self.state.left == 0 || !ends_at_rest {
+        if !left || !ends_at_rest {
             status = PlanStatus::Rest;
-            self.state.left = moves.len();
-            brake(transcription.problem(), initial, moves);
+            brake(transcription.problem(), time, initial, moves);
         }
         if finite {
             transcription.roll_out(moves, trajectory);
@@ -344,7 +387,14 @@ fn task<'a>(
         angle_bounds,
         cost_scale,
         excess_weight: EXCESS_WEIGHT,
+        time_limit: None,
     }
+}
+
+/// When a plan must be ready, if there is a clock and a deadline.
+fn time_limit(clock: Option<&dyn Clock>, deadline: f64, end: f64) -> Option<TimeLimit<'_>> {
+    let clock = clock.filter(|_| deadline > 0.0)?;
+    Some(TimeLimit { clock, end })
 }
 
 /// Bounds of θr at the nodes 1..N−1 (eq 25). A start outside may return as slowly as the optimum without
@@ -371,7 +421,7 @@ fn widen(bounds: &mut [[f64; 2]], trajectory: &Rollout) {
 }
 
 /// Brakes the reference to rest, evenly and no faster than the angle bound ahead demands.
-fn brake(problem: &Problem, initial: &Initial, moves: &mut [f64]) {
+fn brake(problem: &Problem, nodes: &[f64], initial: &Initial, moves: &mut [f64]) {
     let (angle, velocity) = (initial.reference_angle, initial.reference_velocity);
     moves.fill(0.0);
     if !velocity.is_finite() || velocity == 0.0 {
@@ -382,9 +432,10 @@ fn brake(problem: &Problem, initial: &Initial, moves: &mut [f64]) {
     } else {
         angle - problem.angle_lower
     };
-    let per_period = 0.5 * velocity.abs() * problem.period;
-    let periods = ((room / per_period) as usize).clamp(1, moves.len());
-    moves[..periods].fill(-velocity / (periods as f64 * problem.period));
+    let longest = 2.0 * room / velocity.abs();
+    let intervals = nodes[1..].iter().take_while(|&&time| time <= longest);
+    let intervals = intervals.count().max(1);
+    moves[..intervals].fill(-velocity / nodes[intervals]);
 }
 
 #[cfg(test)]

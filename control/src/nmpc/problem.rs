@@ -52,8 +52,10 @@ pub struct Problem {
     pub horizon: usize,
     /// h_0, length of the first shooting interval \[s\].
     pub period: f64,
-    /// Length of a shooting interval in units of that of the one before; at least 1.
+    /// Length of a shooting interval in units of that of the one before, up to `longest`; at least 1.
     pub growth: f64,
+    /// Length that no shooting interval exceeds; equal to `period`: all are equal \[s\].
+    pub longest: f64,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// Lower bound of the reference angle, margin included (eq 25) \[rad\].
@@ -71,9 +73,14 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// Whether all shooting intervals are equally long.
+    pub fn is_even(&self) -> bool {
+        self.growth == 1.0 || self.longest <= self.period
+    }
+
     /// h_k, length of shooting interval `k` \[s\].
     pub fn interval_length(&self, k: usize) -> f64 {
-        self.period * self.growth.powf(k as f64)
+        (self.period * self.growth.powf(k as f64)).min(self.longest)
     }
 }
 

@@ -5,6 +5,8 @@ use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, require};
 use super::problem::{FeedbackModel, Problem, Weights};
 use super::transcription::Transcription;
 
+/// Length of a shooting interval in units of that of the one before, at most.
+pub const GROWTH: f64 = 1.5;
 /// Growth of the tracking error over a horizon beyond which a prediction is worthless.
 const MAX_DEVIATION_GROWTH: f64 = 1e3;
 
@@ -22,10 +24,15 @@ pub enum Method {
 /// Settings of the planner; defaults are those of the T-flex (sec 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Period of the plans, and length of a shooting interval \[s\].
+    /// Period of the plans, and length of the first shooting interval \[s\].
     pub period: f64,
     /// N, number of shooting intervals.
     pub horizon: i32,
+    /// Duration of a plan; longer than N periods: intervals grow, by [`GROWTH`] at most, to a common length.
+    /// 0: N periods \[s\].
+    pub duration: f64,
+    /// Time after which a plan must be ready; 0: any. Kept where there is a clock \[s\].
+    pub deadline: f64,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// σ_θ, distance of the reference from the limits (eq 25) \[rad\].
@@ -49,6 +56,8 @@ impl Default for Settings {
         Self {
             period: 0.05,
             horizon: 40,
+            duration: 0.0,
+            deadline: 0.0,
             weights: Weights {
                 angle: 1.0,
                 velocity: 0.0025,
@@ -61,7 +70,7 @@ impl Default for Settings {
             thermal_limit: true,
             models_feedback: true,
             models_integrator: false,
-            solver: Method::Automatic,
+            solver: Method::Riccati,
             instructions: Instructions::best(),
         }
     }
@@ -89,7 +98,8 @@ impl Settings {
         let problem = Problem {
             horizon: usize::try_from(self.horizon).unwrap_or_default(),
             period: self.period,
-            growth: 1.0,
+            growth: if self.duration > 0.0 { GROWTH } else { 1.0 },
+            longest: self.longest_interval(),
             weights: self.weights,
             angle_lower: limits.angle_lower + self.angle_margin,
             angle_upper: limits.angle_upper - self.angle_margin,
@@ -108,23 +118,91 @@ impl Settings {
                 ),
             },
         };
-        if predictable(&problem, self.period) {
+        if predictable(&problem) {
             return Ok(problem);
         }
-        let mut longest = [1e-6, self.period];
+        // The period itself, or the duration that decides on the intervals after the first.
+        let (name, value, shortest) = if problem.is_even() {
+            ("nmpc.period", self.period, 1e-6)
+        } else {
+            ("nmpc.duration", self.duration, self.durations()[0])
+        };
+        let with = |value: f64| {
+            let settings = match name {
+                "nmpc.period" => Self {
+                    period: value,
+                    duration: 0.0,
+                    ..*self
+                },
+                _ => Self {
+                    duration: value,
+                    ..*self
+                },
+            };
+            Problem {
+                period: settings.period,
+                longest: settings.longest_interval(),
+                ..problem
+            }
+        };
+        let mut longest = [shortest, value];
         for _ in 0..40 {
             let middle = 0.5 * (longest[0] + longest[1]);
-            longest[usize::from(!predictable(&problem, middle))] = middle;
+            longest[usize::from(!predictable(&with(middle)))] = middle;
         }
         Err(vec![Inadmissible {
-            name: "nmpc.period",
-            value: self.period,
+            name,
+            value,
             admissible: format!(
                 "short enough for RK4 to follow the feedback that the plan models: at most {:.4}",
                 longest[0]
             ),
             unit: "s",
         }])
+    }
+
+    /// Shortest and longest duration that the horizon can have \[s\].
+    fn durations(&self) -> [f64; 2] {
+        let horizon = f64::from(self.horizon);
+        let growing = (GROWTH.powf(horizon) - 1.0) / (GROWTH - 1.0);
+        [horizon, growing].map(|intervals| intervals * self.period)
+    }
+
+    /// Length of the longest shooting interval \[s\]: the one with which the intervals fill the duration.
+    fn longest_interval(&self) -> f64 {
+        let [shortest, _] = self.durations();
+        if self.duration <= shortest {
+            return self.period;
+        }
+        let duration = |longest: f64| -> f64 {
+            let lengths = std::iter::successors(Some(self.period), |h| Some(h * GROWTH));
+            let lengths = lengths.take(usize::try_from(self.horizon).unwrap_or_default());
+            lengths.map(|h| h.min(longest)).sum()
+        };
+        let mut within = [self.period, self.duration];
+        for _ in 0..60 {
+            let middle = 0.5 * (within[0] + within[1]);
+            within[usize::from(duration(middle) > self.duration)] = middle;
+        }
+        within[0]
+    }
+
+    /// Notes what is not admissible about the duration, whose intervals are `longest` \[s\] at most.
+    fn validate_duration(&self, longest: f64, errors: &mut Vec<Inadmissible>) {
+        let [least, most] = self.durations();
+        let rounding = 1e-9 * least;
+        let fits = (least - rounding..=most).contains(&self.duration);
+        if self.duration != 0.0 && !(fits && self.longest_interval() <= longest) {
+            errors.push(Inadmissible {
+                name: "nmpc.duration",
+                value: self.duration,
+                admissible: format!(
+                    "0, or nmpc.horizon*nmpc.period = {least} to {:.4}",
+                    most.min(f64::from(self.horizon) * longest)
+                ),
+                unit: "s",
+            });
+        }
     }
 
     fn validate(&self, motor: &Motor, limits: &Limits, errors: &mut Vec<Inadmissible>) {
@@ -135,6 +213,8 @@ impl Settings {
         require(errors, "nmpc.period", self.period, [1e-6, longest], "s");
         let horizon = f64::from(self.horizon);
         require(errors, "nmpc.horizon", horizon, [2.0, 400.0], "1");
+        require(errors, "nmpc.deadline", self.deadline, [0.0, 10.0], "s");
+        self.validate_duration(longest, errors);
         require(errors, "nmpc.weight_angle", weights.angle, WEIGHT, "1");
         require(
             errors,
@@ -178,8 +258,7 @@ impl Settings {
     }
 }
 
-/// Whether the tracking error stays bounded over the horizon when predicted with this period.
-fn predictable(problem: &Problem, period: f64) -> bool {
-    let problem = Problem { period, ..*problem };
-    Transcription::new(problem, Instructions::Baseline).deviation_growth() <= MAX_DEVIATION_GROWTH
+/// Whether the tracking error stays bounded over the horizon when predicted with these intervals.
+fn predictable(problem: &Problem) -> bool {
+    Transcription::new(*problem, Instructions::Baseline).deviation_growth() <= MAX_DEVIATION_GROWTH
 }

@@ -19,8 +19,74 @@ pub const THERMAL_TOLERANCE: f64 = 1e-6;
 /// Excess of the reference over the angle bounds that counts as none \[rad\].
 pub const ANGLE_TOLERANCE: f64 = 1e-7;
 
-/// One plan to make.
+/// Tells the time, for deadlines. The maths has no clock of its own: without one it never stops early, and
+/// equal inputs give equal plans.
+pub trait Clock: Send {
+    /// Time since any fixed moment, never falling \[s\].
+    fn now(&self) -> f64;
+}
+
+/// When a plan must be ready.
+#[derive(Clone, Copy)]
+pub struct TimeLimit<'a> {
+    /// What tells the time.
+    pub clock: &'a dyn Clock,
+    /// The time when the plan must be ready, on that clock \[s\].
+    pub end: f64,
+}
+
+/// How long the iterations of a solver take.
 #[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// Shortest iteration so far \[s\]: what the first one of a plan is expected to take at least. One that
+    /// was once interrupted does not count for ever.
+    shortest: f64,
+    /// Longest iteration of the plan at hand \[s\].
+    longest: f64,
+    /// When the iteration under way began \[s\].
+    begin: Option<f64>,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            shortest: f64::INFINITY,
+            longest: 0.0,
+            begin: None,
+        }
+    }
+}
+
+impl Pace {
+    /// A plan begins.
+    pub fn restart(&mut self) {
+        (self.longest, self.begin) = (0.0, None);
+    }
+
+    /// Whether the limit allows another iteration, to be asked before each. Without a limit it does.
+    pub fn allows(&mut self, limit: Option<TimeLimit<'_>>) -> bool {
+        let Some(TimeLimit { clock, end }) = limit else {
+            return true;
+        };
+        let now = clock.now();
+        if let Some(begin) = self.begin {
+            self.longest = self.longest.max(now - begin);
+            self.shortest = self.shortest.min(now - begin);
+        }
+        self.begin = Some(now);
+        let expected = if self.longest > 0.0 {
+            self.longest
+        } else if self.shortest.is_finite() {
+            self.shortest
+        } else {
+            0.0
+        };
+        now + expected < end
+    }
+}
+
+/// One plan to make.
+#[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// Problem with start and goal.
     pub transcription: &'a Transcription,
@@ -30,6 +96,8 @@ pub struct Task<'a> {
     pub cost_scale: f64,
     /// Price of thermal excess, in units of `cost_scale` \[1/A²\].
     pub excess_weight: f64,
+    /// When the plan must be ready, if ever.
+    pub time_limit: Option<TimeLimit<'a>>,
 }
 
 impl Task<'_> {
@@ -51,6 +119,19 @@ impl Task<'_> {
         rollout.is_finite()
             && rollout.excess <= THERMAL_TOLERANCE
             && self.angle_excess(rollout) <= ANGLE_TOLERANCE
+    }
+
+    /// How good a rollout is as a plan, the least the best: first whether it keeps every limit, then whether
+    /// it keeps the angle bounds, then its merit.
+    pub fn rank(&self, rollout: &Rollout) -> (u8, f64) {
+        let merit = self.merit(rollout);
+        if !rollout.is_finite() || merit.is_nan() {
+            (3, f64::INFINITY)
+        } else if self.angle_excess(rollout) > ANGLE_TOLERANCE {
+            (2, merit)
+        } else {
+            (u8::from(rollout.excess > THERMAL_TOLERANCE), merit)
+        }
     }
 }
 
@@ -83,13 +164,6 @@ impl Multipliers {
         let bounds = horizon.saturating_sub(1);
         (self.thermal.len(), self.lower.len(), self.upper.len()) == (horizon, bounds, bounds)
     }
-
-    /// Moves on by one interval; the last ones repeat.
-    pub fn shift(&mut self) {
-        for family in [&mut self.thermal, &mut self.lower, &mut self.upper] {
-            family.copy_within(1.., 0);
-        }
-    }
 }
 
 impl Clone for Multipliers {
@@ -118,6 +192,8 @@ pub enum SolverStatus {
     Solved,
     /// Stopped before it converged; the moves are the best found.
     IterationLimit,
+    /// Stopped before the time was up; the moves are the best found.
+    OutOfTime,
     /// No moves within the angle bounds were found.
     Infeasible,
 }

@@ -156,7 +156,7 @@ mod tests {
         fn moves_of_any_spline_lead_from_start_to_terminal_rest(
             initial in any_initial(), goal in 0.1..1.4, free in prop::collection::vec(0.0..1.5, 38), growth in 1.0..1.1,
         ) {
-            let problem = Problem { period: 0.02, growth, ..pendulum() };
+            let problem = Problem { period: 0.02, growth, longest: f64::INFINITY, ..pendulum() };
             let mut transcription = Transcription::new(problem, Instructions::best());
             transcription.set(initial, goal);
             let mut spline = Spline::new(40);
@@ -183,7 +183,7 @@ mod tests {
         fn gradient_and_hessian_describe_the_cost(
             initial in any_initial(), goal in 0.1..1.4, step in any_moves(38), integral: bool, growth in 1.0..1.1,
         ) {
-            let mut problem = Problem { period: 0.02, growth, ..tflex() };
+            let mut problem = Problem { period: 0.02, growth, longest: f64::INFINITY, ..tflex() };
             problem.weights.thermal = 0.0;
             problem.weights.integral = if integral { 0.5 } else { 0.0 };
             let mut transcription = Transcription::new(problem, Instructions::best());

@@ -49,7 +49,7 @@ impl Transcription {
     /// Transcribes `problem`; start and goal are zero until [`Self::set`].
     pub fn new(problem: Problem, instructions: Instructions) -> Self {
         let horizon = problem.horizon;
-        let kinds = if problem.growth == 1.0 { 1 } else { horizon };
+        let kinds = if problem.is_even() { 1 } else { horizon };
         Self {
             instructions,
             harmonics: problem.arm.harmonics(),

@@ -244,7 +244,7 @@ mod tests {
         ) {
             let mut problem = if flexure { tflex() } else { pendulum() };
             problem.weights.integral = if integral { 1.0 } else { 0.0 };
-            problem.growth = growth;
+            (problem.growth, problem.longest) = (growth, f64::INFINITY);
             let mut transcription = Transcription::new(problem, Instructions::best());
             transcription.set(initial, goal);
             let mut unconstrained = Unconstrained::new(&transcription).expect("definite");

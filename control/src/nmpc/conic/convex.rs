@@ -353,6 +353,7 @@ mod tests {
                 angle_bounds: &bounds,
                 cost_scale: 0.1,
                 excess_weight: 1e3,
+                time_limit: None,
             };
             let mut convex = Convex::new(&transcription, hessian(&transcription));
             let roll_out = |spline: &Spline| {
@@ -429,6 +430,7 @@ mod tests {
             angle_bounds: &[[0.9, 1.6]; 39],
             cost_scale: 1.0,
             excess_weight: 1e3,
+            time_limit: None,
         };
         let hessian = hessian(&transcription);
         let mut convex = Convex::new(&transcription, hessian.clone());

@@ -41,7 +41,9 @@ use nalgebra::DMatrix;
 
 use self::convex::{Convex, Promise};
 use super::rollout::Rollout;
-use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Solver, SolverStatus, Task};
+use super::solver::{
+    ANGLE_TOLERANCE, Multipliers, Outcome, Pace, Solver, SolverStatus, Task, TimeLimit,
+};
 use super::spline::Spline;
 use super::transcription::Transcription;
 
@@ -63,6 +65,7 @@ pub struct Conic {
     trial: Spline,
     trial_moves: Vec<f64>,
     trial_rollout: Rollout,
+    pace: Pace,
 }
 
 impl Conic {
@@ -92,6 +95,20 @@ impl Conic {
             trial: Spline::new(horizon),
             trial_moves: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
+            pace: Pace::default(),
+        }
+    }
+
+    /// Leaves Clarabel the time until the limit.
+    fn limit_time(&mut self, limit: Option<TimeLimit<'_>>) {
+        let time_limit = limit.map_or(f64::INFINITY, |limit| limit.end - limit.clock.now());
+        if self.clarabel.settings().time_limit != time_limit {
+            let settings = DefaultSettings {
+                time_limit,
+                ..self.clarabel.settings().clone()
+            };
+            // Refused only where it touches what was fixed at set-up, which time is not.
+            let _ = self.clarabel.update_settings(settings);
         }
     }
 
@@ -145,7 +162,13 @@ impl Solver for Conic {
         let mut merit = task.merit(rollout);
         let mut bounded = task.angle_excess(rollout) <= ANGLE_TOLERANCE;
         let mut damping = 0.0;
+        self.pace.restart();
         while outcome.convex_problems < MAX_CONVEX_PROBLEMS {
+            if !self.pace.allows(task.time_limit) {
+                outcome.status = SolverStatus::OutOfTime;
+                break;
+            }
+            self.limit_time(task.time_limit);
             let Some((ended, promise)) = self.try_step(task, moves, rollout, damping) else {
                 break;
             };

@@ -33,7 +33,7 @@ use arm::{Arithmetic, Kernel};
 use self::inequality::Inequalities;
 use self::newton::Newton;
 use super::rollout::Rollout;
-use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Solver, SolverStatus, Task};
+use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
 use super::transcription::Transcription;
 
 /// Iterations at most.
@@ -67,6 +67,9 @@ struct InteriorPoint<const S: usize> {
     upper: Inequalities,
     trial: Vec<f64>,
     trial_rollout: Rollout,
+    /// Moves of the best plan among the iterates [N].
+    best: Vec<f64>,
+    pace: Pace,
 }
 
 impl<const S: usize> InteriorPoint<S> {
@@ -81,6 +84,8 @@ impl<const S: usize> InteriorPoint<S> {
             upper: Inequalities::new(horizon - 1, f64::INFINITY),
             trial: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
+            best: vec![0.0; horizon],
+            pace: Pace::default(),
         }
     }
 
@@ -282,9 +287,16 @@ impl<const S: usize> InteriorPoint<S> {
         multipliers: &mut Multipliers,
     ) -> Outcome {
         self.start::<A>(task, moves, rollout, multipliers);
+        self.pace.restart();
+        self.best.copy_from_slice(moves);
+        let mut best = task.rank(rollout);
         let mut iterations = 0;
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
+            if !self.pace.allows(task.time_limit) {
+                status = SolverStatus::OutOfTime;
+                break;
+            }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
             };
@@ -296,6 +308,15 @@ impl<const S: usize> InteriorPoint<S> {
                 status = SolverStatus::Solved;
                 break;
             }
+            let rank = task.rank(rollout);
+            if rank < best {
+                best = rank;
+                self.best.copy_from_slice(moves);
+            }
+        }
+        if status != SolverStatus::Solved && best < task.rank(rollout) {
+            moves.copy_from_slice(&self.best);
+            task.transcription.roll_out_with::<A>(moves, rollout);
         }
         if task.angle_excess(rollout) > ANGLE_TOLERANCE {
             status = SolverStatus::Infeasible;

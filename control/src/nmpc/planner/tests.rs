@@ -1,3 +1,5 @@
+use std::cell::Cell;
+
 use super::super::examples::feedback;
 use super::super::solver::Outcome;
 use super::*;
@@ -21,8 +23,29 @@ impl Solver for Unable {
     }
 }
 
+/// A clock on which 1 s goes by with every look at it.
+#[derive(Default)]
+struct Ticking(Cell<f64>);
+
+impl Clock for Ticking {
+    fn now(&self) -> f64 {
+        self.0.set(self.0.get() + 1.0);
+        self.0.get()
+    }
+}
+
 fn planner() -> Planner {
-    let settings = crate::Settings::pendulum();
+    planner_of(Settings {
+        solver: Method::Automatic,
+        ..crate::Settings::pendulum().nmpc
+    })
+}
+
+fn planner_of(nmpc: Settings) -> Planner {
+    let settings = crate::Settings {
+        nmpc,
+        ..crate::Settings::pendulum()
+    };
     let crate::Settings {
         arm,
         motor,
@@ -66,7 +89,9 @@ fn without_a_new_plan_the_previous_one_goes_on_to_its_end() {
         initial.thermal_load = 12.0;
         let plan = planner.plan(&initial, 0.3);
         assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}");
-        assert_eq!(plan.moves[..40 - k], first.moves[k..]);
+        for (u, expected) in plan.moves.iter().zip(&first.moves[k..]) {
+            assert!((u - expected).abs() < 1e-12, "{u} {expected}");
+        }
         initial = next(plan, &initial);
     }
     assert!((initial.angle - 1.2).abs() < 1e-9);
@@ -124,7 +149,7 @@ fn a_state_that_is_not_made_of_numbers_does_no_harm() {
     let mut planner = planner();
     let state = PlannerState {
         moves: vec![f64::NAN; 40],
-        left: 40,
+        age: Some(0),
         multipliers: Multipliers {
             known: true,
             thermal: vec![f64::NAN; 40],
@@ -157,7 +182,7 @@ fn multipliers_of_another_length_count_as_no_state() {
         let mut state = planner.state().clone();
         state.multipliers.thermal = thermal;
         planner.set_state(&state);
-        assert_eq!(planner.state().left, 0);
+        assert_eq!(planner.state().age, None);
         assert_eq!(planner.plan(&starved(), 1.2).status, PlanStatus::Solved);
     }
 }
@@ -182,5 +207,79 @@ fn wrong_multipliers_still_lead_to_the_plan() {
             (cost - expected).abs() <= 1e-6 * expected,
             "{wrong}: {cost} {expected}"
         );
+    }
+}
+
+#[test]
+fn a_growing_grid_falls_back_to_rest_too() {
+    let mut planner = planner_of(Settings {
+        period: 0.01,
+        duration: 2.0,
+        ..crate::Settings::pendulum().nmpc
+    });
+    let plan = planner.plan(&starved(), 1.2);
+    assert_eq!(plan.status, PlanStatus::Solved);
+    assert!((plan.time[40] - 2.0).abs() < 1e-9);
+    let mut initial = next(plan, &starved());
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    for k in 1..200 {
+        initial.thermal_load = 12.0;
+        let plan = planner.plan(&initial, 0.3);
+        assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}");
+        initial = next(plan, &initial);
+    }
+    // Velocities are those of the plan, angles to what averaging within intervals of 57 ms leaves.
+    assert!(initial.reference_velocity.abs() < 1e-9);
+    assert!((initial.angle - 1.2).abs() < 1e-3, "{}", initial.angle);
+    assert_eq!(planner.plan(&initial, 0.3).status, PlanStatus::Rest);
+}
+
+#[test]
+fn a_deadline_is_kept_and_leaves_a_plan_and_no_trace() {
+    for solver in [Method::Automatic, Method::Riccati, Method::Clarabel] {
+        let settings = Settings {
+            solver,
+            ..crate::Settings::pendulum().nmpc
+        };
+        let (mut stopped, mut reference) = (planner_of(settings), planner_of(settings));
+        let first = stopped.plan(&starved(), 1.2).clone();
+        let initial = next(&first, &starved());
+        let before = stopped.state().clone();
+        reference.set_state(&before);
+        let expected = reference.plan(&initial, 1.4).trajectory.cost;
+        let mut seen = [false; 3];
+        for deadline in 1..60 {
+            stopped.set_state(&before);
+            stopped.set_clock(Box::new(Ticking::default()));
+            stopped.deadline = f64::from(deadline);
+            let plan = stopped.plan(&initial, 1.4);
+            assert!(plan.trajectory.excess <= THERMAL_TOLERANCE, "{deadline}");
+            let cost = plan.trajectory.cost;
+            match plan.status {
+                PlanStatus::Solved => {
+                    seen[0] = true;
+                    assert!((cost - expected).abs() <= 1e-6 * expected);
+                }
+                PlanStatus::Deadline => {
+                    seen[1] = true;
+                    assert!(cost >= expected * (1.0 - 1e-6));
+                }
+                PlanStatus::ShiftedPlan => seen[2] = true,
+                other => panic!("{solver:?}, {deadline}: {other:?}"),
+            }
+            // Every solver looks once to find that there is no time for another iteration.
+            let late = stopped
+                .clock
+                .as_ref()
+                .map(|clock| clock.now() - 1.0 - stopped.end);
+            assert!(late <= Some(1.0), "{solver:?}, {deadline}: {late:?}");
+
+            // The next plan knows nothing of it.
+            stopped.deadline = 0.0;
+            let plan = stopped.plan(&initial, 1.4);
+            assert_eq!(plan.status, PlanStatus::Solved);
+            assert!((plan.trajectory.cost - expected).abs() <= 1e-6 * expected);
+        }
+        assert!(seen[0] && seen[1], "{solver:?}: {seen:?}");
     }
 }

@@ -88,6 +88,7 @@ fn along<const S: usize>(
         angle_bounds: &[[-10.0, 10.0]; 39],
         cost_scale: 0.5,
         excess_weight: 1e3,
+        time_limit: None,
     };
     let mut thermal = Inequalities::new(horizon, 1e3);
     thermal.multiplier.fill(price);
