@@ -4,10 +4,12 @@ use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal}
 use serde::{Deserialize, Serialize};
 
 use crate::feedback::{self, Feedback};
+use crate::latency::Prediction;
 use crate::nmpc::plan::{Plan, PlanStatus, PlannerState};
 use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
 use crate::nmpc::settings;
+use crate::nmpc::solver::Clock;
 use crate::profile::{self, Profile};
 use crate::{Reference, feedforward};
 
@@ -68,10 +70,22 @@ pub struct Command {
     pub thermal_load: f64,
     /// How the plan in use came to be.
     pub plan_status: PlanStatus,
-    /// Whether a plan was made at this sample.
+    /// Whether a plan was made at this sample; it applies once its latency has gone by.
     pub new_plan: bool,
     /// Whether an input was not usable: the last good command, or the last good setpoint, is held.
     pub measurement_held: bool,
+}
+
+/// A plan that is made but not yet applied.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Pending {
+    /// Number of the sample from which it applies.
+    sample: u64,
+    /// Its first move \[rad/s²\].
+    acceleration: f64,
+    /// Its rest point \[rad\].
+    goal: f64,
+    status: PlanStatus,
 }
 
 /// Everything that changes while a controller runs.
@@ -87,6 +101,8 @@ pub struct State {
     setpoint: Option<f64>,
     /// Number of the plan period with which the next plan is due.
     next_plan: u64,
+    /// The plan that waits for its latency to go by.
+    pending: Option<Pending>,
     /// How the plan in force came to be.
     plan_status: PlanStatus,
     /// Reference of the next sample, with the move in force.
@@ -117,6 +133,10 @@ pub struct Controller {
     feedback: Feedback,
     profile: Profile,
     planner: Planner,
+    /// Samples from the measurement of a plan until it is applied.
+    latency: u64,
+    /// None where plans are applied at once, or start from the state as measured.
+    prediction: Option<Prediction>,
     state: State,
 }
 
@@ -155,12 +175,19 @@ impl Controller {
             gain_integral: feedback.gains.integral,
         };
         let planner = Planner::new(nmpc, arm, motor, limits, &model)?;
+        let samples_per_plan = whole_if_close(nmpc.period / sample_period);
+        // Whole samples, and never beyond the next plan.
+        let latency = whole_if_close(nmpc.latency / sample_period).ceil();
+        let latency = latency.min(samples_per_plan.floor());
+        let prediction = (latency > 0.0 && nmpc.models_latency)
+            .then(|| Prediction::new(arm, motor, &model, latency * sample_period));
         let state = State {
             samples: 0,
             measured: 0,
             angle: 0.0,
             setpoint: None,
             next_plan: 0,
+            pending: None,
             plan_status: PlanStatus::Idle,
             reference: Reference::default(),
             goal: 0.0,
@@ -177,7 +204,7 @@ impl Controller {
             motor: *motor,
             limits: *limits,
             sample_period: *sample_period,
-            samples_per_plan: whole_if_close(nmpc.period / sample_period),
+            samples_per_plan,
             source: *reference,
             feedback,
             profile: Profile {
@@ -185,8 +212,15 @@ impl Controller {
                 sample_period: *sample_period,
             },
             planner,
+            latency: latency as u64,
+            prediction,
             state,
         })
+    }
+
+    /// Tells the time from now on, without which `nmpc.deadline` is not kept.
+    pub fn set_clock(&mut self, clock: Box<dyn Clock>) {
+        self.planner.set_clock(clock);
     }
 
     /// Takes one sample: `angle` measured and `setpoint` wanted \[rad\].
@@ -248,9 +282,11 @@ impl Controller {
         let mut new_plan = false;
         match self.source {
             ReferenceSource::Nmpc => {
+                self.apply_pending();
                 new_plan = self.plan_is_due();
                 if new_plan {
                     self.plan_from(angle, velocity, setpoint);
+                    self.apply_pending();
                 }
             }
             ReferenceSource::Profile => {
@@ -305,15 +341,26 @@ impl Controller {
         velocity
     }
 
+    /// Puts the pending plan in force if its time has come.
+    fn apply_pending(&mut self) {
+        let state = &mut self.state;
+        if let Some(pending) = state.pending.take_if(|p| p.sample <= state.samples) {
+            state.reference.acceleration = pending.acceleration;
+            state.goal = pending.goal;
+            state.plan_status = pending.status;
+        }
+    }
+
     /// Whether this is the first usable sample at or after the beginning of the next plan period.
     fn plan_is_due(&self) -> bool {
         self.state.samples as f64 >= self.state.next_plan as f64 * self.samples_per_plan
     }
 
-    /// Makes a plan; its first move is in force until the next one (sec 3.2.3).
+    /// Makes a plan; its first move is in force from the end of the latency until the next one
+    /// (sec 3.2.3).
     fn plan_from(&mut self, angle: f64, velocity: f64, setpoint: f64) {
         let state = &mut self.state;
-        let initial = Initial {
+        let measured = Initial {
             angle,
             velocity,
             reference_angle: state.reference.angle,
@@ -322,10 +369,19 @@ impl Controller {
             feedback_integral: state.feedback.integral,
             thermal_load: state.thermal_load,
         };
+        let initial = match &mut self.prediction {
+            Some(prediction) => {
+                prediction.predict(&measured, state.reference.acceleration, state.goal)
+            }
+            None => measured,
+        };
         let plan = self.planner.plan(&initial, setpoint);
-        state.reference.acceleration = plan.moves[0];
-        state.goal = plan.goal;
-        state.plan_status = plan.status;
+        state.pending = Some(Pending {
+            sample: state.samples + self.latency,
+            acceleration: plan.moves[0],
+            goal: plan.goal,
+            status: plan.status,
+        });
         // Not by a derived clone_from, which allocates.
         state.planner.clone_from(self.planner.state());
         state.next_plan = (state.samples as f64 / self.samples_per_plan) as u64 + 1;

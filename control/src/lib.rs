@@ -15,6 +15,7 @@
 mod controller;
 pub mod feedback;
 pub mod feedforward;
+mod latency;
 mod lowpass;
 pub mod nmpc;
 pub mod profile;

@@ -33,6 +33,10 @@ pub struct Settings {
     pub duration: f64,
     /// Time after which a plan must be ready; 0: any. Kept where there is a clock \[s\].
     pub deadline: f64,
+    /// Time from the measurement that a plan is made from until it is applied, at most a period \[s\].
+    pub latency: f64,
+    /// Whether a plan starts from the state predicted to the time when it is applied.
+    pub models_latency: bool,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// σ_θ, distance of the reference from the limits (eq 25) \[rad\].
@@ -58,6 +62,8 @@ impl Default for Settings {
             horizon: 40,
             duration: 0.0,
             deadline: 0.0,
+            latency: 0.0,
+            models_latency: true,
             weights: Weights {
                 angle: 1.0,
                 velocity: 0.0025,
@@ -215,6 +221,8 @@ impl Settings {
         require(errors, "nmpc.horizon", horizon, [2.0, 400.0], "1");
         require(errors, "nmpc.deadline", self.deadline, [0.0, 10.0], "s");
         self.validate_duration(longest, errors);
+        let latest = self.period.max(0.0);
+        require(errors, "nmpc.latency", self.latency, [0.0, latest], "s");
         require(errors, "nmpc.weight_angle", weights.angle, WEIGHT, "1");
         require(
             errors,

@@ -132,6 +132,32 @@ impl Inequalities {
         }
     }
 
+    /// Whether c > `tolerance` anywhere that the moves decide.
+    pub fn exceeded(&self, tolerance: f64) -> bool {
+        self.value[self.lost..].iter().any(|&c| c > tolerance)
+    }
+
+    /// Slacks, excesses and multipliers with residuals of zero and products `mu`, for any c: with
+    /// s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price [`Self::start`] comes nearest.
+    pub fn restart(&mut self, mu: f64) {
+        if !self.elastic() {
+            return self.start(mu, 1.0);
+        }
+        let price = self.price;
+        for i in self.lost..self.len() {
+            let priced = price * self.value[i];
+            let root = (priced * priced + 4.0 * mu * mu).sqrt();
+            // The larger of s and t, to which nothing cancels.
+            let larger = (priced.abs() + 2.0 * mu + root) / (2.0 * price);
+            let smaller = mu * larger / (price * larger - mu);
+            (self.slack[i], self.excess[i], self.multiplier[i]) = if priced < 0.0 {
+                (larger, smaller, mu / larger)
+            } else {
+                (smaller, larger, price - mu / larger)
+            };
+        }
+    }
+
     /// Σ of the complementarity products.
     #[inline(always)]
     pub fn gap(&self) -> f64 {
@@ -361,6 +387,20 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_restart_is_central(values in prop::collection::vec(-9.0..9.0_f64, 7), mu in 1e-3..1e2_f64) {
+            let mut family = Inequalities::new(7, 10.0);
+            family.value.copy_from_slice(&values);
+            family.restart(mu);
+            prop_assert!(family.residuals()[1] < 1e-12);
+            for i in 0..7 {
+                let (s, t, lambda) = (family.slack[i], family.excess[i], family.multiplier[i]);
+                prop_assert!(s > 0.0 && t > 0.0 && lambda > 0.0 && lambda < 10.0);
+                prop_assert!((lambda * s - mu).abs() < 1e-9 * mu.max(1.0), "{i}: {}", lambda * s);
+                prop_assert!(((10.0 - lambda) * t - mu).abs() < 1e-9 * mu.max(1.0));
+            }
+        }
+
         #[test]
         fn steps_solve_the_linearised_equations(
             values in prop::collection::vec(-2.0..2.0_f64, 7), change in prop::collection::vec(-1.0..1.0_f64, 7),

@@ -16,6 +16,9 @@
 //!
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
+//! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
+//! all. A plan with excess that has not converged after [`RESTART`] iterations goes on with large ones.
+//!
 //! # Excess that cannot be avoided
 //! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
 //! every plan: its price is linear in T, λ_k = ρ, and nothing is left for an inequality to decide. A start
@@ -54,6 +57,12 @@ const GAP: f64 = 2e-7;
 const DECREASE: f64 = 1e-6;
 /// Largest residual at the end \[A², rad\].
 const RESIDUAL: f64 = 1e-8;
+/// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
+const PENALTY: f64 = 1e-4;
+/// Iterations after which a plan with excess goes on with products of [`CENTRAL`].
+const RESTART: u32 = 18;
+/// Products that reach any optimum with excess, if slowly.
+const CENTRAL: f64 = 100.0;
 /// Product of a start from scratch.
 const COLD: f64 = 1e-2;
 /// Product of a start from the previous plan.
@@ -271,11 +280,15 @@ impl<const S: usize> InteriorPoint<S> {
     #[inline(always)]
     fn converged(&self, task: &Task<'_>, rollout: &Rollout) -> bool {
         let unit = f64::max(1.0, rollout.cost / task.cost_scale);
+        let missed = PENALTY * rollout.total_excess;
+        let penalty = task.excess_weight * missed;
         let residual = [&self.thermal, &self.lower, &self.upper]
             .map(|family| family.residuals()[1])
             .into_iter()
             .fold(0.0, f64::max);
-        self.gap() <= GAP * unit && residual <= RESIDUAL && self.newton.decrease <= DECREASE * unit
+        self.gap() <= GAP * unit + penalty
+            && residual <= RESIDUAL + 1e-2 * missed
+            && self.newton.decrease <= DECREASE * unit + penalty
     }
 
     #[inline(always)]
@@ -296,6 +309,11 @@ impl<const S: usize> InteriorPoint<S> {
             if !self.pace.allows(task.time_limit) {
                 status = SolverStatus::OutOfTime;
                 break;
+            }
+            if iterations == RESTART && self.thermal.exceeded(RESIDUAL) {
+                for family in self.families() {
+                    family.restart(CENTRAL);
+                }
             }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
