@@ -78,6 +78,17 @@ impl Problem {
         self.growth == 1.0 || self.longest <= self.period
     }
 
+    /// Limit of T at the end of a shooting interval of `length` \[s\] \[A²\]; infinite: not limited.
+    ///
+    /// A plan on a growing grid is made anew before its long intervals are over, on nodes elsewhere, and the
+    /// moves it had in mind are not among the new ones. What the load can change in that much time, of the
+    /// order of T_limit·(h_k − h_0)/T_tc, is kept back so that the new plan keeps the limit too.
+    pub fn thermal_limit_after(&self, length: f64) -> f64 {
+        let kept_back = (length - self.period) / self.motor.thermal_time_constant;
+        let limit = self.thermal_limit.unwrap_or(f64::INFINITY);
+        limit * (1.0 - kept_back).max(0.5)
+    }
+
     /// h_k, length of shooting interval `k` \[s\].
     pub fn interval_length(&self, k: usize) -> f64 {
         (self.period * self.growth.powf(k as f64)).min(self.longest)

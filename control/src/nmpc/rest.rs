@@ -20,11 +20,12 @@ impl RestPoints {
     /// Finds the rest points of `problem`. Where the limit admits none, the one of least torque remains.
     pub fn new(problem: &Problem) -> Self {
         let (lower, upper) = (problem.angle_lower, problem.angle_upper);
-        let Some(limit) = problem.thermal_limit else {
+        let limit = problem.thermal_limit_after(problem.longest);
+        if limit.is_infinite() {
             return Self {
                 intervals: vec![[lower, upper]],
             };
-        };
+        }
         let most = limit.sqrt() * problem.motor.torque_constant;
         let torque = |angle: f64| problem.arm.position_torque(angle).abs();
         let highest = problem.arm.cogging_frequency * arm::HARMONICS as f64;

@@ -23,6 +23,8 @@ pub type Matrix3 = [[f64; 3]; 3];
 pub struct Interval {
     /// h \[s\].
     pub length: f64,
+    /// Limit of T at its end \[A²\]; infinite: not limited.
+    pub thermal_limit: f64,
     /// Step of the thermal load.
     pub thermal: ThermalStep,
     /// Stage values M_1..M_4 and step M_5 of the deviation.
@@ -34,6 +36,7 @@ impl Interval {
     pub fn new(problem: &Problem, length: f64) -> Self {
         Self {
             length,
+            thermal_limit: problem.thermal_limit_after(length),
             thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
             deviation: deviation_step(problem, length),
         }

@@ -243,13 +243,15 @@ impl Transcription {
         }
         let per_torque = 1.0 / (motor.torque_constant * motor.torque_constant);
         let price = self.problem.weights.thermal;
-        let limit = self.problem.thermal_limit.unwrap_or(f64::INFINITY);
         let mut load = self.initial.thermal_load;
         rollout.thermal_load[0] = load;
         (rollout.excess, rollout.total_excess) = (0.0, 0.0);
         for (k, stage) in rollout.stages.iter_mut().enumerate() {
             let Interval {
-                thermal, length, ..
+                thermal,
+                length,
+                thermal_limit,
+                ..
             } = self.interval(k);
             let squares = stage.torque.map(|torque| torque * torque * per_torque);
             let step = |j: usize| {
@@ -266,7 +268,7 @@ impl Transcription {
             }
             load = step(STAGES);
             rollout.thermal_load[k + 1] = load;
-            let excess = (load - limit).max(0.0);
+            let excess = (load - thermal_limit).max(0.0);
             rollout.excess = rollout.excess.max(excess);
             rollout.total_excess += excess;
         }

@@ -262,7 +262,7 @@ impl Convex {
             let [load, next] = [rollout.thermal_load[k], rollout.thermal_load[k + 1]];
             let thermal = &task.transcription.interval(k).thermal;
             let (room, cone) = (self.room_row() + k, self.cone_row(k));
-            self.b[room] = (limit - next) / unit;
+            self.b[room] = (task.transcription.interval(k).thermal_limit - next) / unit;
             let heat = (next - thermal.decay() * load) / unit;
             self.b[cone] = heat + 1.0;
             self.b[cone + 1] = heat - 1.0;

@@ -102,14 +102,13 @@ impl<const S: usize> InteriorPoint<S> {
     #[inline(always)]
     fn evaluate_trial(&mut self, task: &Task<'_>) {
         let rollout = &self.trial_rollout;
-        let limit = task.transcription.problem().thermal_limit.unwrap_or(0.0);
-        for (c, load) in self
+        let loads = self
             .thermal
             .value
             .iter_mut()
-            .zip(&rollout.thermal_load[1..])
-        {
-            *c = load - limit;
+            .zip(&rollout.thermal_load[1..]);
+        for (k, (c, load)) in loads.enumerate() {
+            *c = load - task.transcription.interval(k).thermal_limit;
         }
         let angles = &rollout.reference_angle[1..];
         for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
@@ -120,11 +119,11 @@ impl<const S: usize> InteriorPoint<S> {
 
     /// Number of nodes after the first where T exceeds its limit even without any heat.
     fn lost(&self, transcription: &Transcription) -> usize {
-        let limit = transcription.problem().thermal_limit.unwrap_or(0.0);
         let mut load = transcription.initial().thermal_load;
         let cooled = (0..self.thermal.value.len()).take_while(|&k| {
-            load *= transcription.interval(k).thermal.decay();
-            load > limit
+            let interval = transcription.interval(k);
+            load *= interval.thermal.decay();
+            load > interval.thermal_limit
         });
         cooled.count()
     }
