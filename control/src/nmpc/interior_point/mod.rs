@@ -66,7 +66,7 @@ const CENTRAL: f64 = 100.0;
 /// Product of a start from scratch.
 const COLD: f64 = 1e-2;
 /// Product of a start from the previous plan.
-const WARM: f64 = 1e-6;
+const WARM: f64 = 3e-4;
 
 /// The interior point solver for `S` states.
 struct InteriorPoint<const S: usize> {
