@@ -61,12 +61,20 @@ impl Instructions {
         }
     }
 
+    /// What [`Self::run`] uses for these on this machine.
+    pub fn available(self) -> Self {
+        match self {
+            Self::Fused if has_fused() => Self::Fused,
+            _ => Self::Baseline,
+        }
+    }
+
     /// Runs a kernel; where the machine lacks [`Self::Fused`], with [`Self::Baseline`].
     #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        match self {
-            Self::Fused if has_fused() => run_fused(kernel),
-            _ => kernel.run::<Separate>(),
+        match self.available() {
+            Self::Fused => run_fused(kernel),
+            Self::Baseline => kernel.run::<Separate>(),
         }
     }
 }

@@ -271,6 +271,11 @@ impl Controller {
         self.state.samples
     }
 
+    /// Time from the sample that makes a plan until it is applied \[s\]: whole samples.
+    pub fn latency(&self) -> f64 {
+        self.latency as f64 * self.sample_period
+    }
+
     /// The latest plan.
     pub fn plan(&self) -> &Plan {
         self.planner.latest()

@@ -1,12 +1,16 @@
 //! [`Controller`]: a sampled unit without continuous states; every sample is an event.
 
+use std::time::Instant;
+
+use arm::Instructions;
 use control::LARGEST_ANGLE;
 use control::nmpc::plan::PlanStatus;
+use control::nmpc::solver::Clock;
 use control::{Command, State};
 use fmi_unit::{Failure, Log, Severity, Unit};
 
 use crate::plan;
-use crate::settings::settings;
+use crate::settings::{instructions, settings};
 use crate::variables::{self, Variables};
 
 const WARNING: &str = "logStatusWarning";
@@ -18,7 +22,16 @@ pub struct Controller {
     /// \[s\]
     start: f64,
     sample_period: f64,
-    plan_period: f64,
+    reports_time: bool,
+}
+
+/// The machine's monotonic clock.
+struct WallClock(Instant);
+
+impl Clock for WallClock {
+    fn now(&self) -> f64 {
+        self.0.elapsed().as_secs_f64()
+    }
 }
 
 impl Unit for Controller {
@@ -29,21 +42,30 @@ impl Unit for Controller {
     fn initial_outputs(variables: &mut Variables) {
         variables.reference.angle = variables.angle;
         variables.thermal_load = variables.initial.thermal_load;
+        // A set that is none of its items is refused later, by name.
+        let set = instructions(variables).unwrap_or(Instructions::Baseline);
+        variables.nmpc.instructions = match set.available() {
+            Instructions::Baseline => variables::Instructions::Separate,
+            Instructions::Fused => variables::Instructions::Fused,
+        } as i64;
     }
 
     fn new(variables: &mut Variables, start: f64) -> Result<Self, Vec<Failure>> {
         let settings = settings(variables).map_err(|failure| vec![failure])?;
-        let control = control::Controller::new(&settings).map_err(|errors| {
+        let mut control = control::Controller::new(&settings).map_err(|errors| {
             errors
                 .iter()
                 .map(|e| Failure(e.to_string()))
                 .collect::<Vec<_>>()
         })?;
+        if settings.nmpc.deadline > 0.0 {
+            control.set_clock(Box::new(WallClock(Instant::now())));
+        }
         Ok(Self {
             control,
             start,
             sample_period: settings.sample_period,
-            plan_period: settings.nmpc.period,
+            reports_time: variables.nmpc.reports_time,
         })
     }
 
@@ -67,14 +89,18 @@ impl Unit for Controller {
         log: &mut Log<'_>,
     ) -> Result<(), Failure> {
         let before = variables.nmpc.status;
+        let begin = self.reports_time.then(Instant::now);
         let command = self.control.sample(variables.angle, variables.setpoint);
         if command.new_plan {
+            if let Some(begin) = begin {
+                variables.nmpc.solve_time = begin.elapsed().as_secs_f64();
+            }
             let plan = self.control.plan();
             variables.nmpc.iterations = saturated(plan.iterations);
             variables.nmpc.convex_problems = saturated(plan.convex_problems);
             variables.nmpc.cost = plan.trajectory.cost;
             variables.nmpc.goal = plan.goal;
-            plan::publish(plan, self.plan_period, &mut variables.nmpc.plan);
+            plan::publish(plan, self.control.latency(), &mut variables.nmpc.plan);
         }
         write(&command, variables);
         if variables.nmpc.status != before {
@@ -108,6 +134,7 @@ fn declared(status: PlanStatus) -> variables::PlanStatus {
         PlanStatus::Rest => variables::PlanStatus::Rest,
         PlanStatus::MeasurementHeld => variables::PlanStatus::MeasurementHeld,
         PlanStatus::AngleSlack => variables::PlanStatus::AngleSlack,
+        PlanStatus::Deadline => variables::PlanStatus::Deadline,
     }
 }
 
@@ -138,6 +165,11 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
             Severity::Info,
             EVENTS,
             format_args!("at {time} s the planner stopped before it converged; the plan is admissible"),
+        ),
+        PlanStatus::Deadline => log.write(
+            Severity::Info,
+            EVENTS,
+            format_args!("at {time} s the deadline came before the planner converged; the plan is admissible"),
         ),
         PlanStatus::ShiftedPlan => log.write(
             Severity::Warning,

@@ -1,21 +1,18 @@
-//! Publishes a plan at equidistant instants over the horizon, whatever the number of its intervals.
+//! Publishes a plan at points equidistant in its shooting intervals, whatever their number.
 
 use control::nmpc::plan::Plan;
 
 use crate::variables::NmpcPlan;
 
-/// Instants at which a plan is published; with N = 40 these are the shooting nodes.
-const INSTANTS: usize = 41;
+/// Points at which a plan is published; with N = 40 these are the shooting nodes.
+const POINTS: usize = 41;
 
-/// Writes a plan with shooting intervals of `period` \[s\]. O(instants).
-pub fn publish(plan: &Plan, period: f64, published: &mut NmpcPlan) {
-    for k in 0..INSTANTS {
+/// Writes a plan that begins `latency` \[s\] after the sample that made it. O(points).
+pub fn publish(plan: &Plan, latency: f64, published: &mut NmpcPlan) {
+    for k in 0..POINTS {
         // In intervals from the start; whole numbers come out exactly.
-        let instant = plan.at(
-            (k * plan.moves.len()) as f64 / (INSTANTS - 1) as f64,
-            period,
-        );
-        published.time[k] = instant.time;
+        let instant = plan.at((k * plan.moves.len()) as f64 / (POINTS - 1) as f64);
+        published.time[k] = latency + instant.time;
         published.angle[k] = instant.angle;
         published.reference_angle[k] = instant.reference.angle;
         published.reference_velocity[k] = instant.reference.velocity;

@@ -49,6 +49,10 @@ fn planner(variables: &Variables) -> Result<nmpc::settings::Settings, Failure> {
     Ok(nmpc::settings::Settings {
         period: n.period,
         horizon: n.horizon,
+        duration: n.duration,
+        deadline: n.deadline,
+        latency: n.latency,
+        models_latency: n.models_latency,
         weights: nmpc::problem::Weights {
             angle: n.weight_angle,
             velocity: n.weight_velocity,
@@ -66,10 +70,16 @@ fn planner(variables: &Variables) -> Result<nmpc::settings::Settings, Failure> {
             declared::NmpcSolver::Riccati => Method::Riccati,
             declared::NmpcSolver::Clarabel => Method::Clarabel,
         },
-        instructions: match item("nmpc.instruction_set", n.instruction_set)? {
-            declared::InstructionSet::Automatic => Instructions::best(),
-            declared::InstructionSet::Baseline => Instructions::Baseline,
-        },
+        instructions: instructions(variables)?,
+    })
+}
+
+/// What plans are computed with. Errors: a value without an item.
+pub fn instructions(variables: &Variables) -> Result<Instructions, Failure> {
+    let set = variables.nmpc.instruction_set;
+    Ok(match item("nmpc.instruction_set", set)? {
+        declared::InstructionSet::Automatic => Instructions::best(),
+        declared::InstructionSet::Baseline => Instructions::Baseline,
     })
 }
 
