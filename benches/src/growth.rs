@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use control::nmpc::plan::PlannerState;
+use control::nmpc::plan::{PlanStatus, PlannerState};
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::Initial;
 
@@ -31,8 +31,9 @@ const DRAWN: u32 = 400;
 /// for every N end at a limit. They have no tracking error, so the feedback, which RK4 cannot follow at N = 10,
 /// is left out of the model; it changes nothing.
 ///
-/// Prints medians over the starts of the least time of several calls, time per interval and, of iterated plans,
-/// per iteration, with exponents fitted in log-log; 1 is linear. Draws them too.
+/// Prints medians over the starts of the least time of several calls: of a plan, of an interval and, where plans
+/// are iterated, of an iteration's share of an interval. Exponents of plan and iteration over N are fitted in
+/// log-log; 1 is linear. Draws them too.
 #[derive(Args)]
 pub struct Options {
     /// Starts of each kind and arm
@@ -58,8 +59,8 @@ struct Curve {
 struct Point {
     horizon: i32,
     plan: Duration,
-    /// None in closed form.
-    iterations: Option<f64>,
+    /// Iterations, and what one takes; none in closed form.
+    iteration: Option<(u32, Duration)>,
 }
 
 impl Curve {
@@ -71,7 +72,7 @@ impl Curve {
 
     /// (N, µs an iteration); none in closed form.
     fn iterations(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
-        let point = |p: &Point| Some((f64::from(p.horizon), micros(p.plan) / p.iterations?));
+        let point = |p: &Point| Some((f64::from(p.horizon), micros(p.iteration?.1)));
         self.points.iter().filter_map(point)
     }
 }
@@ -150,8 +151,7 @@ fn starts(arm: &str, options: &Options) -> Result<[Vec<Start>; 2], Failure> {
             let same = planners.iter_mut().all(|planner| {
                 planner.set_state(&PlannerState::default());
                 let plan = planner.plan(&initial, goal);
-                plan.status == control::nmpc::plan::PlanStatus::Solved
-                    && (plan.iterations > 0) == (kind == 1)
+                plan.status == PlanStatus::Solved && (plan.iterations > 0) == (kind == 1)
             });
             if same && found[kind].len() < options.count as usize {
                 found[kind].push((initial, goal));
@@ -178,23 +178,25 @@ fn curve(
     let mut points = Vec::new();
     for horizon in HORIZONS {
         let mut planner = planner(arm, solver, horizon)?;
-        let (mut best, mut iterations) = (Vec::new(), Vec::new());
+        let (mut plans, mut each, mut counts) = (Vec::new(), Vec::new(), Vec::new());
         for (initial, goal) in starts {
-            let mut least = Duration::MAX;
+            let (mut best, mut iterations) = (Duration::MAX, 0);
             for _ in 0..repeats {
                 planner.set_state(&PlannerState::default());
-                let (duration, count) = time(|| planner.plan(initial, *goal).iterations);
-                least = least.min(duration);
-                iterations.push(count);
+                let duration;
+                (duration, iterations) = time(|| planner.plan(initial, *goal).iterations);
+                best = best.min(duration);
             }
-            best.push(least);
+            plans.push(best);
+            counts.push(iterations);
+            each.push(best / iterations.max(1));
         }
-        iterations.sort_unstable();
-        let middle = iterations[iterations.len() / 2];
+        counts.sort_unstable();
+        let iterations = counts[counts.len() / 2];
         points.push(Point {
             horizon,
-            plan: Durations::new(best).quantile(0.5),
-            iterations: (middle > 0).then(|| f64::from(middle)),
+            plan: Durations::new(plans).quantile(0.5),
+            iteration: (iterations > 0).then(|| (iterations, Durations::new(each).quantile(0.5))),
         });
     }
     Ok(Curve { arm, kind, points })
@@ -215,8 +217,8 @@ fn table(curves: &[Curve]) -> Vec<Vec<String>> {
         for point in &curve.points {
             let n = f64::from(point.horizon);
             let plan = micros(point.plan);
-            let [iterations, each] = match point.iterations {
-                Some(count) => [format!("{count:.0}"), format!("{:.4}", plan / n / count)],
+            let [iterations, each] = match point.iteration {
+                Some((count, each)) => [count.to_string(), format!("{:.3}", micros(each) / n)],
                 None => [String::new(), String::new()],
             };
             rows.push(vec![
@@ -229,19 +231,15 @@ fn table(curves: &[Curve]) -> Vec<Vec<String>> {
                 each,
             ]);
         }
-        let [iterations, each] = match exponent(curve.iterations()) {
-            Some(of) => [String::new(), format!("{of:.2}")],
-            None => [String::new(), String::new()],
-        };
-        let whole = exponent(curve.plans()).unwrap_or(f64::NAN);
+        let text = |exponent: Option<f64>| exponent.map_or(String::new(), |p| format!("{p:.2}"));
         rows.push(vec![
             curve.arm.to_owned(),
             curve.kind.clone(),
             "exponent".to_owned(),
-            format!("{whole:.2}"),
+            text(exponent(curve.plans())),
             String::new(),
-            iterations,
-            each,
+            String::new(),
+            text(exponent(curve.iterations())),
         ]);
     }
     rows

@@ -70,7 +70,10 @@ fn tasks(planner: &mut Planner, arm: &str, kind: &str) -> Vec<Task> {
             initial = following(planner.latest(), &initial);
             iterations = planner.plan(&initial, goal).iterations;
         }
-        if (iterations == 0) == closed && tasks.len() < STARTS {
+        if tasks.len() == STARTS {
+            break;
+        }
+        if (iterations == 0) == closed {
             tasks.push(Task {
                 known,
                 initial,

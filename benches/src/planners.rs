@@ -15,8 +15,8 @@ use crate::Failure;
 
 /// The arms by name.
 pub const ARMS: [&str; 2] = ["pendulum", "tflex"];
-/// The solvers by name; the first is the default of the settings.
-pub const SOLVERS: [&str; 3] = ["automatic", "riccati", "clarabel"];
+/// The solvers by name: the default, the one of another kind, and the second where the first fails.
+pub const SOLVERS: [&str; 3] = ["riccati", "clarabel", "automatic"];
 
 /// The paper's controller of `arm`, its plans by `solver`.
 pub fn settings(arm: &str, solver: &str) -> Result<Settings, Failure> {

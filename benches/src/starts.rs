@@ -3,6 +3,7 @@
 
 mod report;
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -23,7 +24,8 @@ use crate::statistics::time;
 ///
 /// Prints every status, the iterations as a histogram, the time per start (the least of the repeats: what the
 /// plan itself takes) beside that of all single calls (what this machine makes of it), and the worst start of
-/// each class as requests that `flexarm-benches serve` repeats. Fails if any start was left unsolved.
+/// each class as requests that `flexarm-benches serve` repeats. Fails if any plan was left unsolved: a fallback,
+/// or not converged, even if its excess is nearly the least.
 #[derive(Args)]
 pub struct Options {
     /// Starts of each class and arm
@@ -41,6 +43,9 @@ pub struct Options {
     /// Which arms
     #[arg(long, num_args = 1.., default_values = ARMS, value_parser = ARMS)]
     pub arms: Vec<String>,
+    /// File for every plan that is unsolved or above 250 µs, as requests for `flexarm-benches serve`
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
 }
 
 /// A start and what came of it.
@@ -51,7 +56,20 @@ struct Record {
     goal: f64,
     status: PlanStatus,
     iterations: u32,
+    converged: bool,
     best: Duration,
+}
+
+impl Record {
+    /// Whether the plan is the optimum, not a fallback or what was left when iterations ended.
+    fn is_solved(&self) -> bool {
+        use PlanStatus::{AngleSlack, GoalProjected, Solved, ThermalSlack};
+        let of_status = matches!(
+            self.status,
+            Solved | GoalProjected | ThermalSlack | AngleSlack
+        );
+        of_status && self.converged
+    }
 }
 
 /// All plans of an arm and class, cold or warm.
@@ -61,12 +79,6 @@ struct Group {
     warm: bool,
     records: Vec<Record>,
     calls: Vec<Duration>,
-}
-
-/// Whether the plan is one to tolerance, not a fallback or unfinished.
-fn is_solved(status: PlanStatus) -> bool {
-    use PlanStatus::{AngleSlack, GoalProjected, Solved, ThermalSlack};
-    matches!(status, Solved | GoalProjected | ThermalSlack | AngleSlack)
 }
 
 /// Measures all and reports.
@@ -131,6 +143,11 @@ impl Group {
             goal,
             status: plan.status,
             iterations: plan.iterations,
+            // `ThermalSlack` also stands for an unfinished plan of nearly the least excess. Only a Riccati
+            // solve that converged leaves multipliers.
+            converged: plan.iterations == 0
+                || plan.convex_problems > 0
+                || planner.state().multipliers.known,
             best,
         });
     }

@@ -17,7 +17,7 @@ const FONT: (&str, i32) = ("sans-serif", 13);
 const SIZE: (u32, u32) = (900, 400);
 /// N and µs that are drawn.
 const X: std::ops::Range<f64> = 8.0..400.0;
-const Y: std::ops::Range<f64> = 1.0..1e6;
+const Y: std::ops::Range<f64> = 0.5..1e6;
 
 /// The figure, as SVG.
 pub fn draw(curves: &[Curve]) -> Result<String, Failure> {
@@ -69,9 +69,9 @@ fn panel(
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
         chart.draw_series(curve.plans().map(|at| Circle::new(at, 3, colour.filled())))?;
     }
-    // What linear growth looks like, through the first curve's middle.
+    // What linear growth looks like, a little above the first curve.
     if let Some((n, us)) = curves.first().and_then(|curve| curve.plans().nth(2)) {
-        let linear = [10.0, 320.0].map(|x| (x, us * x / n));
+        let linear = [10.0, 320.0].map(|x| (x, 3.0 * us * x / n));
         let style = GREY.stroke_width(1);
         chart
             .draw_series(DashedLineSeries::new(linear, 4, 4, style))?

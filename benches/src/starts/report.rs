@@ -1,17 +1,21 @@
 //! The tables of a run.
 
 use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
 
 use control::nmpc::problem::Initial;
 use serde_json::json;
 
-use super::{Group, Options, Record, is_solved};
+use super::{Group, Options, Record};
 use crate::Failure;
 use crate::machine;
 use crate::statistics::{Durations, aligned, text};
 
 /// Unsolved starts that are printed per group at most.
 const SHOWN: usize = 5;
+/// One sample at 4 kHz: a plan above this cannot be made in every sample.
+const LATE: Duration = Duration::from_micros(250);
 /// First numbers of iterations of the histogram's rows; a row ends where the next begins.
 const ROWS: [u32; 25] = [
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 18, 20, 25, 30, 40, 50, 60, 100,
@@ -33,66 +37,80 @@ pub fn print(options: &Options, groups: &[Group]) -> Result<(), Failure> {
     println!(
         "{count} starts of each class and arm, seed {seed}, {repeats} calls each, by {solver}\n"
     );
-    println!("{}\n", aligned(&times(groups, *repeats), &[0, 1, 2, 10]));
-    println!("Iterations: number of plans (0: in closed form)\n");
-    println!("{}\n", aligned(&histogram(groups), &[0]));
+    println!("{}\n", aligned(&times(groups, *repeats), &[0, 1, 2, 12]));
+    println!("Plans by iterations (0: in closed form)\n");
+    for of_arm in groups.chunk_by(|a, b| a.arm == b.arm) {
+        println!("{}\n", aligned(&histogram(of_arm), &[0]));
+    }
     println!("The slowest of each class, for `flexarm-benches serve`\n");
     for group in groups {
-        let slowest = group.records.iter().max_by_key(|record| record.best);
-        slowest
-            .into_iter()
-            .for_each(|slowest| show(group, slowest, solver));
+        if let Some(slowest) = group.records.iter().max_by_key(|record| record.best) {
+            println!("{}", described(group, slowest, solver));
+        }
     }
-    let unsolved: Vec<_> = groups
-        .iter()
-        .map(|group| group.records.iter().filter(|r| !is_solved(r.status)))
-        .map(Iterator::collect::<Vec<_>>)
-        .collect();
-    let total: usize = unsolved.iter().map(Vec::len).sum();
-    let worst = groups.iter().flat_map(|g| &g.records).map(|r| r.best).max();
-    let plans: usize = groups.iter().map(|group| group.records.len()).sum();
-    println!(
-        "\n{plans} plans, {total} unsolved; the slowest takes {}",
-        text(worst.unwrap_or_default())
+    if let Some(path) = &options.save {
+        save(path, groups, solver)?;
+    }
+    let unsolved = groups.iter().flat_map(|group| {
+        let unsolved = group.records.iter().filter(|r| !r.is_solved());
+        unsolved.take(SHOWN).map(move |record| (group, record))
+    });
+    let records = || groups.iter().flat_map(|group| &group.records);
+    let (plans, failed) = (
+        records().count(),
+        records().filter(|r| !r.is_solved()).count(),
     );
-    if total == 0 {
+    let worst = records().map(|r| r.best).max().unwrap_or_default();
+    println!(
+        "\n{plans} plans, {failed} unsolved; the slowest takes {}",
+        text(worst)
+    );
+    if failed == 0 {
         return Ok(());
     }
     println!("\nUnsolved, the first {SHOWN} of each class\n");
-    for (group, unsolved) in groups.iter().zip(unsolved) {
-        unsolved
-            .iter()
-            .take(SHOWN)
-            .for_each(|record| show(group, record, solver));
+    for (group, record) in unsolved {
+        println!("{}", described(group, record, solver));
     }
-    Err(format!("{total} of {plans} plans are unsolved").into())
+    Err(format!("{failed} of {plans} plans are unsolved").into())
+}
+
+/// Writes all that is unsolved or late.
+fn save(path: &Path, groups: &[Group], solver: &str) -> Result<(), Failure> {
+    let mut lines = String::new();
+    for group in groups {
+        let bad = |record: &&Record| !record.is_solved() || record.best > LATE;
+        for record in group.records.iter().filter(bad) {
+            lines += &described(group, record, solver);
+            lines.push('\n');
+        }
+    }
+    std::fs::write(path, lines).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(())
 }
 
 /// Statuses and times of each group.
 fn times(groups: &[Group], repeats: u32) -> Vec<Vec<String>> {
     let best = format!("least of {repeats}");
-    let mut rows = vec![
-        [
-            "arm",
-            "class",
-            "start",
-            &best,
-            "",
-            "",
-            "single calls",
-            "",
-            "",
-            "",
-            "statuses",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        [
-            "", "", "", "median", "p99", "max", "median", "p99", "p99.9", "max", "",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+    let late = format!("> {} us", LATE.as_micros());
+    let heads = [
+        ["arm", ""],
+        ["class", ""],
+        ["start", ""],
+        [&best, "median"],
+        ["", "p99"],
+        ["", "max"],
+        ["", &late],
+        ["single calls", "median"],
+        ["", "p99"],
+        ["", "p99.9"],
+        ["", "max"],
+        ["unsolved", ""],
+        ["statuses", ""],
     ];
+    let mut rows: Vec<Vec<String>> = [0, 1]
+        .map(|line| heads.map(|head| head[line].to_owned()).to_vec())
+        .to_vec();
     for group in groups {
         let best = Durations::new(group.records.iter().map(|record| record.best).collect());
         let calls = Durations::new(group.calls.clone());
@@ -102,7 +120,11 @@ fn times(groups: &[Group], repeats: u32) -> Vec<Vec<String>> {
             start(group).to_owned(),
         ];
         row.extend([0.5, 0.99, 1.0].map(|share| text(best.quantile(share))));
+        let late = group.records.iter().filter(|r| r.best > LATE).count();
+        row.push(late.to_string());
         row.extend([0.5, 0.99, 0.999, 1.0].map(|share| text(calls.quantile(share))));
+        let unsolved = group.records.iter().filter(|r| !r.is_solved()).count();
+        row.push(unsolved.to_string());
         let mut statuses = BTreeMap::new();
         for record in &group.records {
             let (_, count) = statuses
@@ -181,16 +203,7 @@ fn histogram(groups: &[Group]) -> Vec<Vec<String>> {
 }
 
 /// A plan, and the requests that repeat it.
-fn show(group: &Group, record: &Record, solver: &str) {
-    println!(
-        "{}, {}, {}: {:?}, {} iterations, {}",
-        group.arm,
-        group.class,
-        start(group),
-        record.status,
-        record.iterations,
-        text(record.best)
-    );
+fn described(group: &Group, record: &Record, solver: &str) -> String {
     let request = |initial: &Initial, warm: bool| {
         let state = [
             initial.angle,
@@ -200,12 +213,25 @@ fn show(group: &Group, record: &Record, solver: &str) {
             initial.integral,
             initial.thermal_load,
         ];
-        json!({
+        let request = json!({
             "arm": group.arm, "solver": solver, "initial": state, "goal": record.goal, "warm": warm, "repeats": 5,
-        })
+        });
+        format!("\n  {request}")
     };
-    if let Some(before) = &record.before {
-        println!("  {}", request(before, false));
-    }
-    println!("  {}", request(&record.initial, group.warm));
+    let converged = if record.converged {
+        ""
+    } else {
+        ", not converged"
+    };
+    let mut lines = format!(
+        "{}, {}, {}: {:?}{converged}, {} iterations, {}",
+        group.arm,
+        group.class,
+        start(group),
+        record.status,
+        record.iterations,
+        text(record.best)
+    );
+    lines.extend(record.before.as_ref().map(|before| request(before, false)));
+    lines + &request(&record.initial, group.warm)
 }
