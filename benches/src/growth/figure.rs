@@ -13,8 +13,9 @@ const COLOURS: [RGBColor; 3] = [
     RGBColor(0x5b, 0x67, 0x70),
 ];
 const GREY: RGBColor = RGBColor(0x94, 0xa7, 0xb8);
+const NOTE: RGBColor = RGBColor(0x55, 0x5f, 0x68);
 const FONT: (&str, i32) = ("sans-serif", 13);
-const SIZE: (u32, u32) = (900, 400);
+const SIZE: (u32, u32) = (900, 420);
 /// N and µs that are drawn.
 const X: std::ops::Range<f64> = 8.0..400.0;
 const Y: std::ops::Range<f64> = 0.5..1e6;
@@ -25,6 +26,14 @@ pub fn draw(curves: &[Curve]) -> Result<String, Failure> {
     {
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
+        let note = format!("{}; medians over the starts", crate::machine());
+        let at = (12, SIZE.1 as i32 - 16);
+        root.draw(&Text::new(
+            note,
+            at,
+            ("sans-serif", 11).into_font().color(&NOTE),
+        ))?;
+        let (root, _) = root.split_vertically(SIZE.1 - 18);
         for (arm, area) in ARMS.iter().zip(root.split_evenly((1, ARMS.len()))) {
             let of: Vec<_> = curves.iter().filter(|curve| curve.arm == *arm).collect();
             panel(arm, &of, &area)?;
