@@ -94,9 +94,12 @@ fn machine() -> String {
         .map_or("unknown processor", |rest| {
             rest.trim_start_matches([' ', '\t', ':'])
         });
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = match std::thread::available_parallelism().map_or(1, usize::from) {
+        1 => "1 core".to_owned(),
+        cores => format!("{cores} cores"),
+    };
     format!(
-        "{model}, {cores} cores, {} {}, flexarm {}",
+        "{model}, {cores}, {} {}, flexarm {}",
         std::env::consts::OS,
         std::env::consts::ARCH,
         env!("CARGO_PKG_VERSION")
