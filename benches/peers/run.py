@@ -3,10 +3,9 @@
 
 Builds what it needs under target/ (Python packages from PyPI, our solvers with cargo) and leaves table,
 figure and all measurements in dist/peers/. Every solver gets every instance in turn, in one run, on one
-core; the moves that come back are judged by one simulation of the full model. Times are of single calls:
-wall clock around the call alone; for acados what it reports itself (`time_tot`), which leaves out its
-Python interface. The table shows the least of the repeats per instance; measurements.json has the single
-calls too.
+core; the moves that come back are judged by one simulation of the full model. Times are of single calls, by
+each solver's own clock, which leaves out Python (acados: `time_tot`, CasADi: `t_wall_total`). The table shows
+the least of the repeats per instance; measurements.json has the single calls too.
 """
 
 import argparse
@@ -141,12 +140,10 @@ def compare(options):
             print(f"{name} takes no part on the {arm}: {why}")
     server.close()
 
-    note = f"{environment['cpu']}; all classes, best of {options.repeats} calls; acados by its own clock"
+    note = f"{environment['cpu']}; all classes, best of {options.repeats} calls, by each solver's own clock"
     head = "\n".join(f"{key}: {value}" for key, value in environment.items())
-    times = "Median, p99 and maximum over the instances [ms]; !n: n instances failed the check.\n\n"
-    times += report.aligned(report.table(records))
-    checks = "Accuracy of what passed; `said so`: fails that the solver itself reported.\n\n"
-    checks += report.aligned(report.accuracy(records))
+    times = f"{report.LEGEND}\n{report.aligned(report.table(records))}"
+    checks = f"{report.ACCURACY}\n{report.aligned(report.accuracy(records))}"
     text = f"{head}\n\n{times}\n\n{checks}\n"
     print(text)
     noted = [abs(r["optimum_to_noted"]) for r in records if "optimum_to_noted" in r]
