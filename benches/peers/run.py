@@ -39,7 +39,7 @@ def parse():
     parser.add_argument(
         "--special", type=int, metavar="N", help="instances of each other class (default 3/10 of that)"
     )
-    parser.add_argument("--full", action="store_true", help="as --instances 200 --special 60")
+    parser.add_argument("--full", action="store_true", help="as --instances 200 --special 50: about ten minutes")
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="calls per instance (default 5)")
     parser.add_argument("--arms", nargs="+", choices=ARMS, default=ARMS, help="which arms (default both)")
     parser.add_argument("--seed", type=int, default=1, help="of the instances (default 1)")
@@ -50,7 +50,7 @@ def parse():
     )
     options = parser.parse_args()
     if options.full:
-        options.instances, options.special = 200, 60
+        options.instances, options.special = 200, 50
     if options.special is None:
         options.special = max(1, options.instances * 3 // 10)
     if min(options.instances, options.special, options.repeats) < 1:
@@ -105,6 +105,9 @@ def versions(server, acados):
     if acados:
         folders = ACADOS.glob("comma_deps_acados-*.dist-info")
         found["comma-deps-acados"] = "".join(f.name.removesuffix(".dist-info").split("-")[1] for f in folders)
+        headers = ACADOS.glob("acados/**/blasfeo_target.h")
+        lines = [line.split() for header in headers for line in header.read_text().splitlines()]
+        found["its linear algebra is for"] = next((x[1] for x in lines if x[:1] == ["#define"]), "unknown")
     return found
 
 
