@@ -39,7 +39,9 @@ def parse():
     parser.add_argument(
         "--special", type=int, metavar="N", help="instances of each other class (default 3/10 of that)"
     )
-    parser.add_argument("--full", action="store_true", help="as --instances 200 --special 50: about ten minutes")
+    parser.add_argument(
+        "--full", action="store_true", help="as --instances 200 --special 50: about ten minutes"
+    )
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="calls per instance (default 5)")
     parser.add_argument("--arms", nargs="+", choices=ARMS, default=ARMS, help="which arms (default both)")
     parser.add_argument("--seed", type=int, default=1, help="of the instances (default 1)")
