@@ -41,6 +41,12 @@ struct Arguments {
 enum Command {
     Starts(starts::Options),
     Growth(growth::Options),
+    /// Count the instructions of a plan with valgrind, by every instruction set
+    ///
+    /// Closed form, cold at a limit, and warm at a limit, N = 40, by the Riccati solver: without and with fused
+    /// multiply-add (AVX2 and FMA on x86-64). The difference of two runs of valgrind's callgrind, so that
+    /// set-up does not count. Unlike times, the figures change only with code and compiler. Takes a minute;
+    /// skipped where valgrind is not installed.
     Instructions,
     #[command(hide = true)]
     Work(instructions::Work),
