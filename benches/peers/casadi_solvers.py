@@ -48,6 +48,14 @@ REFERENCE = {
     "ipopt.bound_relax_factor": 0.0,
     "ipopt.max_iter": 1000,
 }
+# Added for the yardstick to stay where it starts.
+NEAR = {
+    "ipopt.mu_init": 1e-7,
+    "ipopt.bound_push": 1e-9,
+    "ipopt.bound_frac": 1e-9,
+    "ipopt.slack_bound_push": 1e-9,
+    "ipopt.slack_bound_frac": 1e-9,
+}
 
 
 def compiled(solver, name, folder):
@@ -115,7 +123,7 @@ class Nlp:
 
     def solver(self, plugin, options, folder):
         """A CasADi solver of this NLP, its functions compiled from C into `folder`."""
-        options = {"print_time": False, "error_on_fail": False, **options}
+        options = {"print_time": False, "record_time": True, "error_on_fail": False, **options}
         if plugin == "fatrop":
             options |= {
                 "structure_detection": "manual",
@@ -228,16 +236,18 @@ class CasadiSolver:
         else:
             start["x0"] = nlp.pack(*first_guess(self.problem, todo))
         start = {key: ca.DM(value) for key, value in start.items()}
-        seconds = []
+        seconds, own_seconds = [], []
         for _ in range(repeats):
             begin = time.perf_counter()
             solution = solver(**start)
             seconds.append(time.perf_counter() - begin)
-        stats = solver.stats()
+            stats = solver.stats()
+            own_seconds.append(float(stats["t_wall_total"]))
         if not warm:
             self.last = solution if stats["success"] else None
         return {
             "seconds": seconds,
+            "own_seconds": own_seconds,
             "solved": bool(stats["success"]),
             "status": str(stats["return_status"]),
             "iterations": int(stats.get("iter_count", -1)),

@@ -57,4 +57,5 @@ class OurSolver:
             warm=warm,
             repeats=repeats,
         )
-        return answer | {"solved": answer["status"] in self.SOLVED}
+        solved = answer["status"] in self.SOLVED
+        return answer | {"solved": solved, "closed_form": solved and answer["iterations"] == 0}

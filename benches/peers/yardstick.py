@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from casadi_solvers import REFERENCE, Nlp
+from casadi_solvers import NEAR, REFERENCE, Nlp
 from model import THERMAL_TOLERANCE, simulate
-from nlp import first_guess, task
+from nlp import first_guess, reduced, task
 
 # Classes of which the thermal limit must decide.
 DECIDED_BY_HEAT = ("active", "starved")
@@ -18,7 +18,10 @@ class Yardstick:
         self.free = Nlp(problem, soft=False, limited=False)
         self.nlps = {soft: Nlp(problem, soft) for soft in (False, True)}
         self.free_solver = self.free.solver("ipopt", REFERENCE, folder)
-        self.solvers = {soft: nlp.solver("ipopt", REFERENCE, folder) for soft, nlp in self.nlps.items()}
+        self.solvers, self.near_solvers = (
+            {soft: nlp.solver("ipopt", options, folder) for soft, nlp in self.nlps.items()}
+            for options in (REFERENCE, REFERENCE | NEAR)
+        )
 
     def complete(self, instance, successor=False):
         """The instance with cost scale and optimum, and the optimal moves; none where IPOPT found no optimum,
@@ -35,8 +38,20 @@ class Yardstick:
         check = simulate(self.problem, instance.initial, instance.goal, moves)
         return replace(instance, optimum=check.objective(instance)), moves if success else None
 
-    def _solve(self, nlp, solver, instance):
+    def nearest(self, instance, moves):
+        """The instance with the optimum that IPOPT finds from `moves` as its own.
+
+        Far above the thermal limit there may be several: an answer must not count as wrong for being another
+        one than IPOPT found from its first guess.
+        """
+        states = [reduced(x) for x in simulate(self.problem, instance.initial, instance.goal, moves).nodes]
+        nlp, solver = self.nlps[instance.soft], self.near_solvers[instance.soft]
+        found, success = self._solve(nlp, solver, instance, (states, moves))
+        check = simulate(self.problem, instance.initial, instance.goal, found)
+        return replace(instance, optimum=check.objective(instance)) if success else instance
+
+    def _solve(self, nlp, solver, instance, start=None):
         todo = task(self.problem, instance)
-        guess = nlp.pack(*first_guess(self.problem, todo))
+        guess = nlp.pack(*(start or first_guess(self.problem, todo)))
         solution = solver(x0=guess, p=nlp.parameters(todo), **nlp.bounds)
         return nlp.moves(solution["x"]), solver.stats()["success"]

@@ -2,7 +2,7 @@
 //!
 //! | request | answer |
 //! |---|---|
-//! | `{"solvers": true}` | `solvers`, their names |
+//! | `{"solvers": true}` | `solvers`, the names of the two kinds; `automatic` is the one, then the other |
 //! | `{"problem": arm}` | the problem's numbers, SI units |
 //! | `{"arm", "solver", "initial": [θ, ω, θr, ωr, e, T], "goal", "warm", "repeats"}` | `seconds` of each repeat, `status`, `iterations`, `convex_problems`, `cost`, `moves` of the last |
 //! | any other | `error` |
@@ -43,7 +43,7 @@ pub fn run() -> Result<(), Failure> {
 fn answer(line: &str, served: &mut HashMap<String, Served>) -> Result<Value, Failure> {
     let request: Value = serde_json::from_str(line)?;
     if request["solvers"] == true {
-        return Ok(json!({ "solvers": SOLVERS }));
+        return Ok(json!({ "solvers": SOLVERS[..2] }));
     }
     if let Some(arm) = request["problem"].as_str() {
         return problem(arm);

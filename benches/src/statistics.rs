@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use comfy_table::{CellAlignment, Table, presets};
+
 /// Measured durations, sorted.
 pub struct Durations(Vec<Duration>);
 
@@ -43,4 +45,16 @@ pub fn text(duration: Duration) -> String {
         s if s >= 1e-6 => format!("{:.2} us", s * 1e6),
         s => format!("{:.0} ns", s * 1e9),
     }
+}
+
+/// Rows of equal length as text: the columns `left` aligned left, all others right.
+pub fn aligned(rows: &[Vec<String>], left: &[usize]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).add_rows(rows);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        if !left.contains(&index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.trim_fmt()
 }

@@ -2,6 +2,8 @@
 //! can be, and the same answer again after a restore.
 
 mod nmpc_arms;
+#[path = "nmpc_arms/starts.rs"]
+mod starts;
 
 use control::nmpc::plan::{Plan, PlanStatus};
 use control::nmpc::planner::Planner;
@@ -9,41 +11,7 @@ use control::nmpc::problem::Initial;
 use control::nmpc::settings::Method;
 use nmpc_arms::{Arm, pendulum, tflex};
 use proptest::prelude::*;
-
-/// Uniform numbers from a seed (SplitMix64).
-struct Uniform(u64);
-
-impl Uniform {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    /// A start in the workspace with a load between the given shares of the limit, and a goal.
-    fn start(&mut self, arm: &Arm, loads: [f64; 2]) -> (Initial, f64) {
-        let margin = arm.settings.angle_margin;
-        let (low, high) = (
-            arm.limits.angle_lower + margin,
-            arm.limits.angle_upper - margin,
-        );
-        let (angle, goal) = (self.within(low, high), self.within(low, high));
-        let velocity = self.within(low - high, high - low);
-        let load = self.within(loads[0], loads[1]) * thermal_limit(arm);
-        let initial = Initial {
-            angle: angle + self.within(-2e-3, 2e-3),
-            velocity: velocity + self.within(-2e-2, 2e-2),
-            reference_angle: angle,
-            reference_velocity: velocity,
-            thermal_load: load,
-            ..Initial::default()
-        };
-        (initial, goal)
-    }
-}
+use starts::{Class, FAR_OVER, OVER, RANDOM, STARVED, STARVED_FAST, Uniform, following, within};
 
 /// Thermal limit of the plan (eq 26) [A²].
 fn thermal_limit(arm: &Arm) -> f64 {
@@ -56,11 +24,11 @@ fn assert_finite(plan: &Plan) {
 }
 
 /// Plans cold from seeded starts and counts statuses as `[solved, thermal_slack, other]`.
-fn count(arm: &Arm, seed: u64, plans: u32, loads: [f64; 2]) -> [u32; 3] {
+fn count(arm: &Arm, seed: u64, plans: u32, class: &Class) -> [u32; 3] {
     let (mut uniform, mut planner) = (Uniform(seed), arm.planner());
     let mut statuses = [0; 3];
     for _ in 0..plans {
-        let (initial, goal) = uniform.start(arm, loads);
+        let (initial, goal) = uniform.start(planner.problem(), class);
         planner.set_state(&Default::default());
         let plan = planner.plan(&initial, goal);
         assert_finite(plan);
@@ -92,28 +60,30 @@ fn count(arm: &Arm, seed: u64, plans: u32, loads: [f64; 2]) -> [u32; 3] {
 #[test]
 fn random_starts_are_all_solved() {
     for arm in [pendulum(), tflex()] {
-        let [solved, ..] = count(&arm, 1, 1000, [0.0, 0.9]);
+        let [solved, ..] = count(&arm, 1, 1000, &RANDOM);
         assert_eq!(solved, 1000);
     }
 }
 
 #[test]
 fn starved_starts_are_solved_or_exceed_the_limit_least() {
-    let [solved, slack, other] = count(&pendulum(), 2, 1000, [0.97, 0.998]);
-    assert_eq!(other, 0, "unsolved");
-    // Some of these starts are too fast for the heat they may still make.
-    assert!(slack <= 66, "{slack} of {}", solved + slack);
+    for (arm, class) in [(pendulum(), STARVED), (tflex(), STARVED_FAST)] {
+        let [solved, slack, other] = count(&arm, 2, 1000, &class);
+        assert_eq!(other, 0, "{}: unsolved", class.name);
+        // Some of these starts are too fast for the heat they may still make.
+        assert!(slack <= 66, "{slack} of {}", solved + slack);
+    }
 }
 
 #[test]
 fn starts_above_the_thermal_limit_are_planned() {
-    for (arm, loads) in [
-        (pendulum(), [1.0, 1.002]),
-        (pendulum(), [1.0, 1.5]),
-        (tflex(), [1.0, 1.5]),
+    for (arm, class) in [
+        (pendulum(), OVER),
+        (pendulum(), FAR_OVER),
+        (tflex(), FAR_OVER),
     ] {
-        let [_, slack, other] = count(&arm, 3, 1000, loads);
-        assert_eq!(other, 0, "unsolved");
+        let [_, slack, other] = count(&arm, 3, 1000, &class);
+        assert_eq!(other, 0, "{}: unsolved", class.name);
         assert!(slack > 0);
     }
 }
@@ -128,7 +98,7 @@ fn the_interior_point_and_clarabel_agree() {
     let mut clarabel = arm.planner();
     let mut uniform = Uniform(4);
     for _ in 0..100 {
-        let (initial, goal) = uniform.start(&arm, [0.8, 0.99]);
+        let (initial, goal) = uniform.start(riccati.problem(), &within("hot", [0.8, 0.99]));
         riccati.set_state(&Default::default());
         clarabel.set_state(&Default::default());
         let (a, b) = (riccati.plan(&initial, goal), clarabel.plan(&initial, goal));
@@ -263,7 +233,7 @@ proptest! {
         let mut planner = arm.planner();
         let mut uniform = Uniform(seed);
         for _ in 0..4 {
-            let (initial, goal) = uniform.start(&arm, [0.0, 1.1]);
+            let (initial, goal) = uniform.start(planner.problem(), &within("any", [0.0, 1.1]));
             let plan = planner.plan(&initial, goal);
             assert_finite(plan);
             prop_assert!(!matches!(plan.status, PlanStatus::Idle | PlanStatus::MeasurementHeld));
@@ -300,19 +270,6 @@ proptest! {
     }
 }
 
-/// Follows the plan for one period in the planner's own model.
-fn follow(plan: &Plan, initial: &Initial) -> Initial {
-    let trajectory = &plan.trajectory;
-    Initial {
-        angle: trajectory.angle[1],
-        velocity: trajectory.reference_velocity[1],
-        reference_angle: trajectory.reference_angle[1],
-        reference_velocity: trajectory.reference_velocity[1],
-        thermal_load: trajectory.thermal_load[1],
-        ..*initial
-    }
-}
-
 /// Work for the cold plans of a move to and fro with a hot motor, and for each warm one that was iterated.
 fn work(solver: Method, of: fn(&Plan) -> u32) -> (u32, Vec<u32>) {
     let mut arm = pendulum();
@@ -335,7 +292,7 @@ fn work(solver: Method, of: fn(&Plan) -> u32) -> (u32, Vec<u32>) {
         } else if plan.iterations > 0 {
             warm.push(of(plan));
         }
-        initial = follow(plan, &initial);
+        initial = following(plan, &initial);
     }
     assert!((initial.angle - 0.4).abs() < 1e-3, "arrives");
     (cold, warm)
@@ -373,12 +330,13 @@ fn bits(plan: &Plan) -> (PlanStatus, u32, u32, Vec<u64>) {
 /// A planner rebuilt from its parameters and given the state goes on bit by bit as if never stopped.
 #[test]
 fn a_restored_planner_goes_on_to_the_bit() {
-    for (arm, loads) in [(pendulum(), [0.9, 1.01]), (tflex(), [0.9, 1.01])] {
+    let class = within("near the limit", [0.9, 1.01]);
+    for arm in [pendulum(), tflex()] {
         let mut uniform = Uniform(5);
         let mut planner = arm.planner();
         let mut solver_was_used = false;
         for _ in 0..25 {
-            let (mut initial, goal) = uniform.start(&arm, loads);
+            let (mut initial, goal) = uniform.start(planner.problem(), &class);
             let state = planner.state().clone();
             let mut restored: Planner = arm.planner();
             restored.set_state(&state);
@@ -386,7 +344,7 @@ fn a_restored_planner_goes_on_to_the_bit() {
                 let plan = planner.plan(&initial, goal);
                 assert_eq!(bits(plan), bits(restored.plan(&initial, goal)));
                 solver_was_used |= plan.iterations > 0;
-                initial = follow(plan, &initial);
+                initial = following(plan, &initial);
             }
             assert_eq!(planner.state(), restored.state());
         }
@@ -481,7 +439,7 @@ fn extreme_weights_give_plans_or_are_refused() {
             continue;
         };
         for _ in 0..3 {
-            let (initial, goal) = uniform.start(&arm, [0.0, 0.9]);
+            let (initial, goal) = uniform.start(planner.problem(), &RANDOM);
             planner.set_state(&Default::default());
             let plan = planner.plan(&initial, goal);
             assert_finite(plan);

@@ -8,6 +8,8 @@
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], its [`plan`], [`rest`] |
 //!
+//! Why the parts follow from each other, and where their ideas come from: `docs/solver.md`.
+//!
 //! A [`planner::Planner`] is made once and then asked for a plan every period:
 //!
 //! ```
