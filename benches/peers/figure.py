@@ -6,7 +6,6 @@ from report import in_order, seconds_of
 
 # Colours that those who see red and green alike can tell apart.
 COLOURS = {
-    "flexarm automatic": "#d55e00",
     "flexarm riccati": "#e69f00",
     "flexarm clarabel": "#0072b2",
     "acados full": "#009e73",

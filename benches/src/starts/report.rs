@@ -235,3 +235,50 @@ fn described(group: &Group, record: &Record, solver: &str) -> String {
     lines.extend(record.before.as_ref().map(|before| request(before, false)));
     lines + &request(&record.initial, group.warm)
 }
+
+#[cfg(test)]
+mod tests {
+    use control::nmpc::plan::PlanStatus;
+
+    use super::*;
+
+    fn group(iterations: &[u32]) -> Group {
+        let record = |&iterations| Record {
+            before: None,
+            initial: Initial::default(),
+            goal: 0.0,
+            status: PlanStatus::ThermalSlack,
+            iterations,
+            converged: iterations < 60,
+            best: Duration::from_micros(10 * u64::from(iterations)),
+        };
+        Group {
+            arm: "arm".to_owned(),
+            class: "class",
+            warm: false,
+            records: iterations.iter().map(record).collect(),
+            calls: vec![Duration::ZERO],
+        }
+    }
+
+    #[test]
+    fn every_plan_is_in_one_row_of_the_histogram() {
+        let rows = histogram(&[group(&[0, 0, 17, 60, 150]), group(&[2])]);
+        let expected = [
+            ["0", "2", ""],
+            ["2", "", "1"],
+            ["16..17", "1", ""],
+            ["60..99", "1", ""],
+            ["100 or more", "1", ""],
+            ["mean of those > 0", "75.7", "2.0"],
+        ];
+        assert_eq!(rows[3..], expected);
+    }
+
+    #[test]
+    fn unfinished_plans_are_unsolved_and_late_ones_are_counted() {
+        let rows = times(&[group(&[0, 26, 60])], 4);
+        assert_eq!((rows[2][6].as_str(), rows[2][11].as_str()), ("2", "1"));
+        assert_eq!(rows[2][12], "3 ThermalSlack");
+    }
+}
