@@ -38,7 +38,9 @@ def test_the_planner_runs_at_the_rate_of_the_feedback(version):
     steps = [b - a for a, b in zip(time, time[1:], strict=False)]
     assert time[0] == 0 and abs(time[40] - 2.0) < 1e-9
     assert abs(steps[0] - SAMPLE) < 1e-12
-    assert all(a <= b * (1 + 1e-9) and b <= 1.5 * a * (1 + 1e-9) for a, b in zip(steps, steps[1:], strict=False))
+    assert all(
+        a <= b * (1 + 1e-9) and b <= 1.5 * a * (1 + 1e-9) for a, b in zip(steps, steps[1:], strict=False)
+    )
     slow = swing(version, 1.0, controller={})
     cost = [sum((1.5 - angle) ** 2 for angle in run["angle"]) for run in (seen, slow)]
     assert cost[0] < cost[1]
