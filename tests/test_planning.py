@@ -1,5 +1,6 @@
 """When plans are made, how long they may take, when they apply, and with which instructions: through the packages."""
 
+import itertools
 import math
 
 import pytest
@@ -35,12 +36,10 @@ def test_the_planner_runs_at_the_rate_of_the_feedback(version):
     assert seen["status"] == {SOLVED}
     assert seen["left"] < 1e-3
     time = seen["plan"]["time"]
-    steps = [b - a for a, b in zip(time, time[1:], strict=False)]
+    steps = [b - a for a, b in itertools.pairwise(time)]
     assert time[0] == 0 and abs(time[40] - 2.0) < 1e-9
     assert abs(steps[0] - SAMPLE) < 1e-12
-    assert all(
-        a <= b * (1 + 1e-9) and b <= 1.5 * a * (1 + 1e-9) for a, b in zip(steps, steps[1:], strict=False)
-    )
+    assert all(a <= b * (1 + 1e-9) and b <= 1.5 * a * (1 + 1e-9) for a, b in itertools.pairwise(steps))
     slow = swing(version, 1.0, controller={})
     cost = [sum((1.5 - angle) ** 2 for angle in run["angle"]) for run in (seen, slow)]
     assert cost[0] < cost[1]
