@@ -1,4 +1,4 @@
-"""When plans are made, how long they may take, when they apply, with which instructions; through the packages."""
+"""When plans are made, how long they may take, when they apply, with which instructions: in the packages."""
 
 import itertools
 import math
