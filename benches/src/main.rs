@@ -7,6 +7,7 @@ mod growth;
 mod instructions;
 mod packages;
 mod planners;
+mod rates;
 mod sample;
 mod serve;
 mod solve;
@@ -41,6 +42,7 @@ struct Arguments {
 enum Command {
     Starts(starts::Options),
     Growth(growth::Options),
+    Rates(rates::Options),
     /// Count the instructions of a plan with valgrind, by every instruction set
     ///
     /// Closed form, cold at a limit, and warm at a limit, N = 40, by the Riccati solver: without and with fused
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         None => all(),
         Some(Command::Starts(options)) => starts::run(&options),
         Some(Command::Growth(options)) => growth::run(&options),
+        Some(Command::Rates(options)) => rates::run(&options),
         Some(Command::Instructions) => instructions::run(),
         Some(Command::Work(work)) => instructions::work(&work),
         Some(Command::Serve) => serve::run(),
