@@ -85,6 +85,12 @@ impl Inequalities {
         }
     }
 
+    /// λ at the end of interval `k`; zero where there are no inequalities.
+    #[inline(always)]
+    pub fn multiplier_after(&self, k: usize) -> f64 {
+        self.multiplier.get(k).copied().unwrap_or(0.0)
+    }
+
     fn len(&self) -> usize {
         self.value.len()
     }

@@ -1,4 +1,5 @@
 use super::super::super::examples::{any_initial, any_moves, pendulum, tflex};
+use super::linear::Curvature;
 use super::*;
 use arm::{Instructions, Separate};
 use proptest::prelude::*;
@@ -38,7 +39,7 @@ proptest! {
         let own = Curvature { xx: form.xx, xu: form.xu, uu: form.uu };
         let (mut price, mut expected) = (square(root), square(root));
         let policy = form.policy::<Separate>(&mut expected, imposed).expect("convex");
-        prop_assert!(linear.recur::<Separate>(&own, &mut price, imposed));
+        prop_assert!(linear.recur::<Separate>(&own, &mut price, imposed.as_ref()));
         for r in 0..4 {
             prop_assert!((linear.policy.gain[r] - policy.gain[r]).abs() < 1e-12);
             for c in 0..4 {
