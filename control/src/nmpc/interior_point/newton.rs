@@ -9,7 +9,7 @@
 //!
 //! whose first part is convex. The second is left out where the whole would have no minimum.
 
-use arm::Arithmetic;
+use arm::{Arithmetic, LANES};
 
 use self::assembly::Assembly;
 use self::linear::Linear;
@@ -35,10 +35,10 @@ pub struct Newton<const S: usize> {
     linear: Vec<Linear<S>>,
     /// Change of u \[N\].
     pub moves: Vec<f64>,
-    /// Change of θr at the nodes 1..N−1 \[N − 1\].
-    pub angle: Vec<f64>,
-    /// Change of T at the nodes 1..N \[N\].
-    pub load: Vec<f64>,
+    /// Change of θr at the nodes from 1 on, in groups \[N and what fills the last group\].
+    pub angle: Vec<[f64; LANES]>,
+    /// Change of T, likewise.
+    pub load: Vec<[f64; LANES]>,
     /// Decrease of the linearised cost to expect.
     pub decrease: f64,
 }
@@ -80,8 +80,8 @@ impl<const S: usize> Newton<S> {
             }),
             linear: vec![idle; horizon],
             moves: vec![0.0; horizon],
-            angle: vec![0.0; horizon - 1],
-            load: vec![0.0; horizon],
+            angle: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
+            load: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
             decrease: 0.0,
         }
     }
@@ -109,7 +109,7 @@ impl<const S: usize> Newton<S> {
             let interval = task.transcription.interval(k);
             let form = &self.forms[k.min(self.forms.len() - 1)];
             let linear = &mut self.linear[k];
-            load_price += families[0].multiplier_after(k);
+            load_price += families[0].multiplier(k);
             let (mut own, own_load_price) = assembly.linearise::<A, S>(
                 interval,
                 form,
@@ -133,15 +133,13 @@ impl<const S: usize> Newton<S> {
 
     /// The step for the slopes of the inequalities, with the latest factors.
     #[inline(always)]
-    pub fn solve<A: Arithmetic>(&mut self, families: [&Inequalities; 3]) {
-        let horizon = self.linear.len();
+    pub fn solve<A: Arithmetic>(&mut self, [thermal, lower, upper]: [&Inequalities; 3]) {
         let mut p = [0.0; S];
         let mut decrease = 0.0;
         let rows = self.linear.iter().zip(&mut self.moves).enumerate();
         for (k, (linear, u)) in rows.rev() {
-            let [angle_slope, load_slope] = slopes(families, k + 1);
-            p[0] += angle_slope;
-            p[LOAD] += load_slope;
+            p[0] += lower.slope(k) + upper.slope(k);
+            p[LOAD] += thermal.slope(k);
             let Policy { gain, inverse } = &linear.policy;
             let mut through = linear.gradient_by_move;
             let mut next = linear.transposed::<A>(&p);
@@ -157,34 +155,24 @@ impl<const S: usize> Newton<S> {
         }
         self.decrease = decrease;
         let mut x = [0.0; S];
-        for k in 0..horizon {
-            let linear = &self.linear[k];
-            let mut u = self.moves[k];
+        let changes = self.angle.as_flattened_mut().iter_mut();
+        let changes = changes.zip(self.load.as_flattened_mut());
+        let rows = self.linear.iter().zip(&mut self.moves);
+        for ((linear, u), (angle, load)) in rows.zip(changes) {
             for i in 0..S {
-                u = A::mul_add(-linear.policy.gain[i], x[i], u);
+                *u = A::mul_add(-linear.policy.gain[i], x[i], *u);
             }
-            self.moves[k] = u;
-            x = linear.advance::<A>(&x, u);
-            self.load[k] = x[LOAD];
-            if k + 1 < horizon {
-                self.angle[k] = x[0];
-            }
+            x = linear.advance::<A>(&x, *u);
+            (*angle, *load) = (x[0], x[LOAD]);
         }
     }
 }
 
-/// Σ of the inequalities of θr and T at node `node`.
+/// Σ of the inequalities of θr and T at node `node`; those of the first node are no inequalities.
 #[inline(always)]
 fn weights([thermal, lower, upper]: [&Inequalities; 3], node: usize) -> [f64; 2] {
-    let at = |weights: &[f64]| weights.get(node.wrapping_sub(1)).copied().unwrap_or(0.0);
-    [at(&lower.weight) + at(&upper.weight), at(&thermal.weight)]
-}
-
-/// Slopes of the inequalities in θr and T at node `node`.
-#[inline(always)]
-fn slopes([thermal, lower, upper]: [&Inequalities; 3], node: usize) -> [f64; 2] {
-    let at = |slopes: &[f64]| slopes.get(node.wrapping_sub(1)).copied().unwrap_or(0.0);
-    [at(&upper.slope) - at(&lower.slope), at(&thermal.slope)]
+    let k = node.wrapping_sub(1);
+    [lower.weight(k) + upper.weight(k), thermal.weight(k)]
 }
 
 /// The form without z, and with T in its place.

@@ -90,10 +90,8 @@ fn along<const S: usize>(
         cost_scale: 0.5,
         excess_weight: 1e3,
     };
-    let mut thermal = Inequalities::new(horizon, 1e3);
-    thermal.multiplier.fill(price);
-    thermal.slope.fill(price);
-    let bounds = Inequalities::new(horizon - 1, f64::INFINITY);
+    let thermal = Inequalities::priced(horizon, price);
+    let bounds = Inequalities::priced(horizon - 1, 0.0);
     let mut rollout = Rollout::new(horizon);
     let mut lagrangian = |moves: &[f64]| {
         transcription.roll_out(moves, &mut rollout);
