@@ -4,9 +4,11 @@
 //! A [`Kernel`] is written for any [`Arithmetic`]; [`Instructions::run`] picks at run time. Results of the
 //! two differ in the last bits, because a fused multiply-add rounds once where two instructions round twice.
 
+use crate::vector::Vector;
+#[cfg(not(target_arch = "x86_64"))]
+use crate::vector::plain::Plain;
 #[cfg(target_arch = "x86_64")]
-use crate::vector::x86_64::Wide;
-use crate::vector::{Plain, Vector};
+use crate::vector::x86_64::{Pair, Wide};
 
 /// Multiply-add with one or with two roundings.
 pub trait Arithmetic: Copy {
@@ -26,6 +28,9 @@ pub struct Separate;
 struct Fused;
 
 impl Arithmetic for Separate {
+    #[cfg(target_arch = "x86_64")]
+    type Vector = Pair;
+    #[cfg(not(target_arch = "x86_64"))]
     type Vector = Plain<false>;
 
     #[inline(always)]

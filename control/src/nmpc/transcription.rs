@@ -198,8 +198,6 @@ impl Transcription {
         let Problem { arm, weights, .. } = self.problem;
         let (vector, splat) = (A::Vector::new, A::Vector::splat);
         let (goal, damping) = (self.goal, splat(arm.damping));
-        let [per_distance, per_velocity, per_integral] =
-            [weights.angle, weights.velocity, weights.integral];
         let initial = &self.initial;
         let (mut angle, mut velocity) = (initial.reference_angle, initial.reference_velocity);
         let mut integral = initial.integral;
@@ -221,16 +219,16 @@ impl Transcription {
             let reference_velocity = elapsed.mul_add(splat(u), splat(velocity));
             let v = reference_velocity + vector(&deviation[1]);
             let moving = damping.mul_add(reference_velocity, splat(arm.inertia * u));
-            let mut loss = (splat(per_velocity) * v).mul_add(v, splat(per_distance) * d * d);
+            let mut loss = (splat(weights.velocity) * v).mul_add(v, splat(weights.angle) * d * d);
             stage.distance = d.lanes();
             stage.velocity = v.lanes();
             stage.torque = moving.lanes();
             let quadrature = vector(&interval.quadrature);
-            if per_integral > 0.0 {
+            if weights.integral > 0.0 {
                 let [first, second, third, _] = stage.distance;
                 let seen = vector(&[0.0, first, second, third]);
                 let e = elapsed.mul_add(seen, splat(integral));
-                loss = (splat(per_integral) * e).mul_add(e, loss);
+                loss = (splat(weights.integral) * e).mul_add(e, loss);
                 stage.integral = e.lanes();
                 integral += (quadrature * d).sum();
             }
