@@ -182,20 +182,30 @@ impl<'a> Assembly<'a> {
             linear.integral = [form.a[S - 1][0], form.a[S - 1][1]];
             linear.gradient[S - 1] = by_integral;
         }
+        // Of the form only what is not zero: T has no part in it.
+        let add = |form: f64, heat: f64| A::mul_add(form, self.scale, heat);
         let mut own = Curvature {
-            xx: form.xx.map(|row| row.map(|x| x * self.scale)),
-            xu: form.xu.map(|x| x * self.scale),
-            uu: A::mul_add(form.uu, self.scale, move_move),
+            xx: [[0.0; S]; S],
+            xu: [0.0; S],
+            uu: add(form.uu, move_move),
         };
-        own.xx[0][0] += angle_angle;
-        own.xx[0][1] += angle_velocity;
-        own.xx[1][1] += velocity_velocity;
-        own.xx[0][LOAD] += by_load[0];
-        own.xx[1][LOAD] += by_load[1];
-        own.xx[LOAD][LOAD] += by_load[2];
-        own.xu[0] += xu_angle;
-        own.xu[1] += xu_velocity;
-        own.xu[LOAD] += by_load[3];
+        own.xx[0][0] = add(form.xx[0][0], angle_angle);
+        own.xx[0][1] = add(form.xx[0][1], angle_velocity);
+        own.xx[1][1] = add(form.xx[1][1], velocity_velocity);
+        own.xu[0] = add(form.xu[0], xu_angle);
+        own.xu[1] = add(form.xu[1], xu_velocity);
+        [
+            own.xx[0][LOAD],
+            own.xx[1][LOAD],
+            own.xx[LOAD][LOAD],
+            own.xu[LOAD],
+        ] = by_load;
+        if S > LOAD + 1 {
+            for r in [0, 1, S - 1] {
+                own.xx[r][S - 1] = form.xx[r][S - 1] * self.scale;
+            }
+            own.xu[S - 1] = form.xu[S - 1] * self.scale;
+        }
         (own, own_load)
     }
 }
