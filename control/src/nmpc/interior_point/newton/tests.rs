@@ -54,9 +54,10 @@ proptest! {
     #[test]
     fn the_step_solves_the_true_problem(
         initial in any_initial(), goal in 0.2..1.3, moves in any_moves(40), price in 0.0..5e-2_f64, flexure: bool,
-        integral: bool,
+        integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
     ) {
         let mut problem = if flexure { tflex() } else { pendulum() };
+        problem.growth = growth;
         problem.weights.integral = if integral { 0.3 } else { 0.0 };
         problem.weights.thermal = 1e-5;
         let mut transcription = Transcription::new(problem, Instructions::Baseline);
