@@ -4,8 +4,17 @@
 //! A [`Kernel`] is written for any [`Arithmetic`]; [`Instructions::run`] picks at run time. Results of the
 //! two differ in the last bits, because a fused multiply-add rounds once where two instructions round twice.
 
+use crate::vector::Vector;
+#[cfg(not(target_arch = "x86_64"))]
+use crate::vector::plain::Plain;
+#[cfg(target_arch = "x86_64")]
+use crate::vector::x86_64::{Pair, Wide};
+
 /// Multiply-add with one or with two roundings.
 pub trait Arithmetic: Copy {
+    /// Four numbers with this multiply-add.
+    type Vector: Vector;
+
     /// a·b + c.
     fn mul_add(a: f64, b: f64, c: f64) -> f64;
 }
@@ -14,11 +23,16 @@ pub trait Arithmetic: Copy {
 #[derive(Clone, Copy, Debug)]
 pub struct Separate;
 
-/// One rounding; a slow library call where the processor has no instruction for it.
+/// One rounding. Private: on x86-64 it takes instructions that only [`Instructions::run`] asks for.
 #[derive(Clone, Copy, Debug)]
-pub struct Fused;
+struct Fused;
 
 impl Arithmetic for Separate {
+    #[cfg(target_arch = "x86_64")]
+    type Vector = Pair;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Vector = Plain<false>;
+
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a * b + c
@@ -26,6 +40,11 @@ impl Arithmetic for Separate {
 }
 
 impl Arithmetic for Fused {
+    #[cfg(target_arch = "x86_64")]
+    type Vector = Wide;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Vector = Plain<true>;
+
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a.mul_add(b, c)

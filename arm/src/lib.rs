@@ -22,7 +22,9 @@ pub mod plant;
 mod position_torque;
 mod sets;
 pub mod thermal;
+mod vector;
 
 pub use admissible::{Inadmissible, require};
-pub use arithmetic::{Arithmetic, Fused, Instructions, Kernel, Separate};
+pub use arithmetic::{Arithmetic, Instructions, Kernel, Separate};
 pub use parameters::{HARMONICS, Limits, Motor, Parameters};
+pub use vector::{LANES, Vector};

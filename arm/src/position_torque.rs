@@ -5,7 +5,8 @@
 //! bits on every platform, and so that several angles share vector instructions.
 
 use crate::arithmetic::{Arithmetic, Separate};
-use crate::parameters::Parameters;
+use crate::parameters::{HARMONICS, Parameters};
+use crate::vector::{LANES, Vector};
 
 /// Arguments beyond which the reduction to one quadrant loses digits.
 const LARGEST_ARGUMENT: f64 = 1e5;
@@ -36,39 +37,48 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Sine and cosine, within 1e-15.
+/// Sines and cosines, within 1e-15.
 #[inline(always)]
-fn sin_cos<A: Arithmetic, const L: usize>(x: [f64; L]) -> [[f64; L]; 2] {
-    if x.iter().any(|x| x.abs() > LARGEST_ARGUMENT) {
-        return large_sin_cos(x);
+fn sin_cos<A: Arithmetic, const M: usize>(x: [A::Vector; M]) -> [[A::Vector; M]; 2] {
+    let splat = A::Vector::splat;
+    let (mut sin, mut cos) = (x, x);
+    let mut large = false;
+    for m in 0..M {
+        large |= x[m].any_beyond(LARGEST_ARGUMENT);
     }
-    let (mut sin, mut cos) = ([0.0; L], [0.0; L]);
-    for l in 0..L {
-        let shifted = A::mul_add(x[l], std::f64::consts::FRAC_2_PI, ROUNDING);
-        let quadrant = shifted.to_bits();
-        let n = shifted - ROUNDING;
-        let r = A::mul_add(-n, HALF_PI[0], x[l]);
-        let r = A::mul_add(-n, HALF_PI[1], r);
-        let r = A::mul_add(-n, HALF_PI[2], r);
-        let z = r * r;
-        let horner = |c: &[f64; 6]| {
-            let high = A::mul_add(A::mul_add(c[5], z, c[4]), z, c[3]);
-            A::mul_add(A::mul_add(A::mul_add(high, z, c[2]), z, c[1]), z, c[0])
-        };
-        let s = A::mul_add(r * z, horner(&SIN), r);
-        let c = A::mul_add(z * z, horner(&COS), A::mul_add(-0.5, z, 1.0));
-        // Odd quadrants swap sine and cosine; signs by the second bit of the quadrant.
-        let odd = 0u64.wrapping_sub(quadrant & 1);
-        let (s, c) = (s.to_bits(), c.to_bits());
-        let swap = (s ^ c) & odd;
-        sin[l] = f64::from_bits(s ^ swap ^ ((quadrant & 2) << 62));
-        cos[l] = f64::from_bits(c ^ swap ^ ((quadrant.wrapping_add(1) & 2) << 62));
+    if large {
+        for m in 0..M {
+            let [s, c] = large_sin_cos(x[m].lanes());
+            (sin[m], cos[m]) = (A::Vector::new(&s), A::Vector::new(&c));
+        }
+        return [sin, cos];
+    }
+    let (mut turns, mut r, mut z) = (x, x, x);
+    for m in 0..M {
+        turns[m] = x[m].mul_add(splat(std::f64::consts::FRAC_2_PI), splat(ROUNDING));
+        let n = turns[m] - splat(ROUNDING);
+        r[m] = n.neg_mul_add(splat(HALF_PI[0]), x[m]);
+        r[m] = n.neg_mul_add(splat(HALF_PI[1]), r[m]);
+        r[m] = n.neg_mul_add(splat(HALF_PI[2]), r[m]);
+        z[m] = r[m] * r[m];
+        (sin[m], cos[m]) = (splat(SIN[5]), splat(COS[5]));
+    }
+    for i in (0..5).rev() {
+        for m in 0..M {
+            sin[m] = sin[m].mul_add(z[m], splat(SIN[i]));
+            cos[m] = cos[m].mul_add(z[m], splat(COS[i]));
+        }
+    }
+    for m in 0..M {
+        let s = (r[m] * z[m]).mul_add(sin[m], r[m]);
+        let c = (z[m] * z[m]).mul_add(cos[m], z[m].mul_add(splat(-0.5), splat(1.0)));
+        [sin[m], cos[m]] = A::Vector::turned(turns[m], s, c);
     }
     [sin, cos]
 }
 
 #[cold]
-fn large_sin_cos<const L: usize>(x: [f64; L]) -> [[f64; L]; 2] {
+fn large_sin_cos(x: [f64; LANES]) -> [[f64; LANES]; 2] {
     [x.map(f64::sin), x.map(f64::cos)]
 }
 
@@ -80,8 +90,9 @@ impl Parameters {
 
     /// g, dg/dθ and d²g/dθ² at `angle` \[N·m, N·m/rad, N·m/rad²\].
     pub fn position_torque_derivatives(&self, angle: f64) -> [f64; 3] {
-        let lanes = self.position_torque_lanes::<Separate, 1>(self.harmonics(), [angle]);
-        lanes.map(|[value]| value)
+        let angles = [<Separate as Arithmetic>::Vector::splat(angle)];
+        let vectors = self.position_torque_vectors::<Separate, 1>(self.harmonics(), angles);
+        vectors.map(|[vector]| vector.lanes()[0])
     }
 
     /// Number of the highest harmonic that is present.
@@ -91,31 +102,39 @@ impl Parameters {
         highest.map_or(0, |index| index + 1)
     }
 
-    /// g, dg/dθ and d²g/dθ² at several angles, the first `harmonics` taken in.
+    /// g, dg/dθ and d²g/dθ² at the angles of `M` vectors, the first `harmonics` taken in. Each step waits
+    /// for the one before; with two vectors there is work to do meanwhile.
     #[inline(always)]
-    pub fn position_torque_lanes<A: Arithmetic, const L: usize>(
+    pub fn position_torque_vectors<A: Arithmetic, const M: usize>(
         &self,
         harmonics: usize,
-        angle: [f64; L],
-    ) -> [[f64; L]; 3] {
+        angle: [A::Vector; M],
+    ) -> [[A::Vector; M]; 3] {
+        let splat = A::Vector::splat;
         let w = self.cogging_frequency;
-        let [sin, cos] = sin_cos::<A, L>(angle.map(|angle| w * angle));
+        let mut scaled = angle;
+        let (mut value, mut slope, mut curvature) =
+            (angle, [splat(self.stiffness); M], [splat(0.0); M]);
+        for m in 0..M {
+            scaled[m] = splat(w) * angle[m];
+            value[m] = splat(self.stiffness).mul_add(angle[m], splat(self.offset));
+        }
+        let [sin, cos] = sin_cos::<A, M>(scaled);
         let (mut sin_i, mut cos_i) = (sin, cos);
-        let mut value = angle.map(|angle| A::mul_add(self.stiffness, angle, self.offset));
-        let (mut slope, mut curvature) = ([self.stiffness; L], [0.0; L]);
         let mut frequency = w;
-        let present = self.cogging_cos.iter().zip(&self.cogging_sin);
-        for (&a, &b) in present.take(harmonics) {
-            let square = -frequency * frequency;
-            for l in 0..L {
-                let (s, c) = (sin_i[l], cos_i[l]);
-                let wave = A::mul_add(a, c, b * s);
-                let change = A::mul_add(b, c, -(a * s));
-                value[l] += wave;
-                slope[l] = A::mul_add(frequency, change, slope[l]);
-                curvature[l] = A::mul_add(square, wave, curvature[l]);
-                sin_i[l] = A::mul_add(s, cos[l], c * sin[l]);
-                cos_i[l] = A::mul_add(c, cos[l], -(s * sin[l]));
+        for i in 0..harmonics.min(HARMONICS) {
+            let (a, b) = (splat(self.cogging_cos[i]), splat(self.cogging_sin[i]));
+            for m in 0..M {
+                if i > 0 {
+                    let (s, c) = (sin_i[m], cos_i[m]);
+                    sin_i[m] = s.mul_add(cos[m], c * sin[m]);
+                    cos_i[m] = s.neg_mul_add(sin[m], c * cos[m]);
+                }
+                let wave = a.mul_add(cos_i[m], b * sin_i[m]);
+                let change = a.neg_mul_add(sin_i[m], b * cos_i[m]);
+                value[m] = value[m] + wave;
+                slope[m] = splat(frequency).mul_add(change, slope[m]);
+                curvature[m] = splat(frequency * frequency).neg_mul_add(wave, curvature[m]);
             }
             frequency += w;
         }
@@ -127,7 +146,6 @@ impl Parameters {
 mod tests {
     use super::*;
     use crate::arithmetic::{Instructions, Kernel};
-    use crate::parameters::HARMONICS;
     use proptest::prelude::*;
 
     struct SinCos([f64; 4]);
@@ -137,7 +155,7 @@ mod tests {
 
         #[inline(always)]
         fn run<A: Arithmetic>(self) -> [[f64; 4]; 2] {
-            sin_cos::<A, 4>(self.0)
+            sin_cos::<A, 1>([A::Vector::new(&self.0)]).map(|[vector]| vector.lanes())
         }
     }
 
@@ -182,10 +200,12 @@ mod tests {
         fn lanes_are_single_angles_to_the_bit(
             p in any_parameters(), angles in prop::array::uniform4(-3.0..3.0_f64),
         ) {
-            let lanes = p.position_torque_lanes::<Separate, 4>(p.harmonics(), angles);
+            let angle = <Separate as Arithmetic>::Vector::new(&angles);
+            let vectors = p.position_torque_vectors::<Separate, 2>(p.harmonics(), [angle; 2]);
             for l in 0..4 {
                 let single = p.position_torque_derivatives(angles[l]);
-                prop_assert_eq!(lanes.map(|lane| lane[l]), single);
+                prop_assert_eq!(vectors.map(|[vector, _]| vector.lanes()[l]), single);
+                prop_assert_eq!(vectors.map(|[_, vector]| vector.lanes()[l]), single);
             }
         }
 
@@ -206,8 +226,8 @@ mod tests {
     #[test]
     fn sine_and_cosine_of_what_is_no_number_are_none() {
         for x in [f64::NAN, f64::INFINITY] {
-            let [sin, cos] = sin_cos::<Separate, 1>([x]);
-            assert!(sin[0].is_nan() && cos[0].is_nan());
+            let [sin, cos] = Instructions::Baseline.run(SinCos([0.0, x, 1.0, 2.0]));
+            assert!(sin[1].is_nan() && cos[1].is_nan());
         }
     }
 

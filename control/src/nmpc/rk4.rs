@@ -25,6 +25,12 @@ pub struct Interval {
     pub length: f64,
     /// Limit of T at its end \[A²\]; infinite: not limited.
     pub thermal_limit: f64,
+    /// c_j·h \[s\].
+    pub elapsed: Lanes,
+    /// d_j·h² \[s²\].
+    pub curved: Lanes,
+    /// Weights of the stages in an integral \[s\].
+    pub quadrature: Lanes,
     /// Step of the thermal load.
     pub thermal: ThermalStep,
     /// Stage values M_1..M_4 and step M_5 of the deviation.
@@ -37,6 +43,9 @@ impl Interval {
         Self {
             length,
             thermal_limit: problem.thermal_limit_after(length),
+            elapsed: ELAPSED.map(|part| part * length),
+            curved: CURVED.map(|part| part * length * length),
+            quadrature: QUADRATURE.map(|weight| weight * length),
             thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
             deviation: deviation_step(problem, length),
         }
@@ -50,6 +59,8 @@ pub struct ThermalStep {
     pub load: [f64; STAGES + 1],
     /// γ_ji, and last w_i \[5 × 4\].
     pub heat: [Lanes; STAGES + 1],
+    /// Columns 1..3 of γ, what each stage's heat does to all stages; the last stage warms none \[3 × 4\].
+    pub warming: [Lanes; STAGES - 1],
 }
 
 impl ThermalStep {
@@ -73,7 +84,18 @@ impl ThermalStep {
             }
             heat[STAGES][j] += step;
         }
-        Self { load, heat }
+        Self {
+            load,
+            heat,
+            warming: std::array::from_fn(|i| std::array::from_fn(|j| heat[j][i])),
+        }
+    }
+
+    /// α_j: share of T that is left at the stages.
+    #[inline(always)]
+    pub fn stage_load(&self) -> &Lanes {
+        let [load @ .., _] = &self.load;
+        load
     }
 
     /// a: share of T that is left after a step.
@@ -82,6 +104,7 @@ impl ThermalStep {
     }
 
     /// w_i: weight of (τ_i/Ki)² in the load after a step.
+    #[inline(always)]
     pub fn weights(&self) -> &Lanes {
         &self.heat[STAGES]
     }

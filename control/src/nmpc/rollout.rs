@@ -9,8 +9,6 @@ pub struct Stages {
     pub distance: Lanes,
     /// ω \[rad/s\].
     pub velocity: Lanes,
-    /// ωr \[rad/s\].
-    pub reference_velocity: Lanes,
     /// e \[rad·s\]; only where the cost weighs it.
     pub integral: Lanes,
     /// τ (eq 21) \[N·m\].

@@ -21,7 +21,7 @@
 //! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
 //! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
 
-use arm::{Arithmetic, Instructions, Kernel};
+use arm::{Arithmetic, Instructions, Kernel, Vector};
 
 use super::linear_quadratic::deadbeat;
 use super::problem::{Initial, Problem};
@@ -83,6 +83,12 @@ impl Transcription {
     /// The intervals \[N\], or a single one if all are equally long.
     pub fn intervals(&self) -> &[Interval] {
         &self.intervals
+    }
+
+    /// The intervals one after the other, without end.
+    #[inline(always)]
+    fn each_interval(&self) -> impl Iterator<Item = &Interval> {
+        self.intervals.iter().cycle()
     }
 
     /// h_k, length of interval `k`, the first and the last one repeated beyond the ends \[s\].
@@ -171,107 +177,127 @@ impl Transcription {
         });
     }
 
-    /// [`Self::roll_out`] inside another kernel.
+    /// [`Self::roll_out`] inside another kernel. The stages of an interval are the lanes of vectors.
     #[inline(always)]
     pub fn roll_out_with<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
         self.follow::<A>(moves, rollout);
-        self.heat::<A>(moves, rollout);
+        // Two intervals at a time, as their torque is a long chain of operations.
+        let (pairs, rest) = rollout.stages.as_chunks_mut();
+        for pair in pairs {
+            self.add_position_torque::<A, 2>(pair);
+        }
+        for stage in rest {
+            self.add_position_torque::<A, 1>(std::array::from_mut(stage));
+        }
+        self.heat::<A>(rollout);
     }
 
-    /// All but the thermal load: nodes, stages and the cost without q_T.
+    /// Nodes, stages and cost, but for g, the thermal load and its cost.
     #[inline(always)]
     fn follow<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
-        let weights = &self.problem.weights;
-        let (mut angle, mut velocity) = (
-            self.initial.reference_angle,
-            self.initial.reference_velocity,
-        );
-        let mut integral = self.initial.integral;
+        let Problem { arm, weights, .. } = self.problem;
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let (goal, damping) = (self.goal, splat(arm.damping));
+        let initial = &self.initial;
+        let (mut angle, mut velocity) = (initial.reference_angle, initial.reference_velocity);
+        let mut integral = initial.integral;
         rollout.reference_angle[0] = angle;
         rollout.reference_velocity[0] = velocity;
-        rollout.angle[0] = self.initial.angle;
-        let mut cost = [0.0; STAGES];
-        for (k, &u) in moves.iter().enumerate() {
-            let h = self.interval(k).length;
-            let [angle_deviation, velocity_deviation] = &self.deviation[k];
-            let stage = &mut rollout.stages[k];
-            let mut increment = 0.0;
-            for j in 0..STAGES {
-                let time = ELAPSED[j] * h;
-                let reference = A::mul_add(CURVED[j] * h * h, u, A::mul_add(time, velocity, angle));
-                stage.distance[j] = reference + angle_deviation[j] - self.goal;
-                stage.reference_velocity[j] = A::mul_add(time, u, velocity);
-                stage.velocity[j] = stage.reference_velocity[j] + velocity_deviation[j];
-            }
+        rollout.angle[0] = initial.angle;
+        let nodes = rollout.reference_angle[1..].iter_mut();
+        let nodes = nodes.zip(&mut rollout.reference_velocity[1..]);
+        let nodes = nodes.zip(&mut rollout.angle[1..]);
+        let known = self.deviation.iter().zip(&self.node_deviation[1..]);
+        let intervals = moves.iter().zip(self.each_interval());
+        let stages = rollout.stages.iter_mut().zip(known).zip(intervals);
+        let (mut cost, mut effort) = (splat(0.0), 0.0);
+        for (((stage, (deviation, node_deviation)), (&u, interval)), node) in stages.zip(nodes) {
+            let h = interval.length;
+            let elapsed = vector(&interval.elapsed);
+            let curve = vector(&interval.curved).mul_add(splat(u), splat(angle - goal));
+            let d = elapsed.mul_add(splat(velocity), curve) + vector(&deviation[0]);
+            let reference_velocity = elapsed.mul_add(splat(u), splat(velocity));
+            let v = reference_velocity + vector(&deviation[1]);
+            let moving = damping.mul_add(reference_velocity, splat(arm.inertia * u));
+            let mut loss = (splat(weights.velocity) * v).mul_add(v, splat(weights.angle) * d * d);
+            stage.distance = d.lanes();
+            stage.velocity = v.lanes();
+            stage.torque = moving.lanes();
+            let quadrature = vector(&interval.quadrature);
             if weights.integral > 0.0 {
-                for j in 0..STAGES {
-                    let seen = if j == 0 { 0.0 } else { stage.distance[j - 1] };
-                    stage.integral[j] = A::mul_add(ELAPSED[j] * h, seen, integral);
-                    increment = A::mul_add(QUADRATURE[j] * h, stage.distance[j], increment);
-                }
+                let [first, second, third, _] = stage.distance;
+                let seen = vector(&[0.0, first, second, third]);
+                let e = elapsed.mul_add(seen, splat(integral));
+                loss = (splat(weights.integral) * e).mul_add(e, loss);
+                stage.integral = e.lanes();
+                integral += (quadrature * d).sum();
             }
-            for j in 0..STAGES {
-                let (d, v, e) = (stage.distance[j], stage.velocity[j], stage.integral[j]);
-                let loss = A::mul_add(weights.angle * d, d, weights.velocity * v * v);
-                let loss = A::mul_add(weights.integral * e, e, loss);
-                let loss = A::mul_add(weights.acceleration * u, u, loss);
-                cost[j] = A::mul_add(QUADRATURE[j] * h, loss, cost[j]);
-            }
-            integral += increment;
+            cost = quadrature.mul_add(loss, cost);
+            effort = A::mul_add(h * u, u, effort);
+
             angle += A::mul_add(0.5 * h * h, u, h * velocity);
             velocity = A::mul_add(h, u, velocity);
-            rollout.reference_angle[k + 1] = angle;
-            rollout.reference_velocity[k + 1] = velocity;
-            rollout.angle[k + 1] = angle + self.node_deviation[k + 1][0];
+            let ((reference_angle, reference_velocity), true_angle) = node;
+            (*reference_angle, *reference_velocity) = (angle, velocity);
+            *true_angle = angle + node_deviation[0];
         }
-        rollout.cost = cost.iter().sum();
+        rollout.cost = A::mul_add(weights.acceleration, effort, cost.sum());
+    }
+
+    /// Completes the torque of `M` intervals (eq 21).
+    #[inline(always)]
+    fn add_position_torque<A: Arithmetic, const M: usize>(&self, stages: &mut [Stages; M]) {
+        let goal = A::Vector::splat(self.goal);
+        let mut angle = [goal; M];
+        for m in 0..M {
+            angle[m] = A::Vector::new(&stages[m].distance) + goal;
+        }
+        let arm = &self.problem.arm;
+        let [torque, slope, curvature] = arm.position_torque_vectors::<A, M>(self.harmonics, angle);
+        for m in 0..M {
+            let stage = &mut stages[m];
+            stage.torque = (torque[m] + A::Vector::new(&stage.torque)).lanes();
+            stage.slope = slope[m].lanes();
+            stage.curvature = curvature[m].lanes();
+        }
     }
 
     /// The thermal load along a rollout whose other states are known, and its cost (eqs 20, 21).
     #[inline(always)]
-    fn heat<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
-        let Problem { arm, motor, .. } = &self.problem;
-        for (stage, &u) in rollout.stages.iter_mut().zip(moves) {
-            let angle = stage.distance.map(|distance| distance + self.goal);
-            let [torque, slope, curvature] =
-                arm.position_torque_lanes::<A, STAGES>(self.harmonics, angle);
-            for j in 0..STAGES {
-                let moving = A::mul_add(arm.damping, stage.reference_velocity[j], arm.inertia * u);
-                stage.torque[j] = torque[j] + moving;
-            }
-            (stage.slope, stage.curvature) = (slope, curvature);
-        }
-        let per_torque = 1.0 / (motor.torque_constant * motor.torque_constant);
+    fn heat<A: Arithmetic>(&self, rollout: &mut Rollout) {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let constant = self.problem.motor.torque_constant;
+        let per_torque = splat(1.0 / (constant * constant));
         let price = self.problem.weights.thermal;
-        let mut load = self.initial.thermal_load;
+        let (mut load, mut cost) = (self.initial.thermal_load, splat(0.0));
+        let (mut excess, mut total_excess) = (0.0, 0.0);
         rollout.thermal_load[0] = load;
-        (rollout.excess, rollout.total_excess) = (0.0, 0.0);
-        for (k, stage) in rollout.stages.iter_mut().enumerate() {
-            let Interval {
-                thermal,
-                length,
-                thermal_limit,
-                ..
-            } = self.interval(k);
-            let squares = stage.torque.map(|torque| torque * torque * per_torque);
-            let step = |j: usize| {
-                let heat = thermal.heat[j];
-                let late = A::mul_add(heat[2], squares[2], heat[3] * squares[3]);
-                let early = A::mul_add(heat[0], squares[0], heat[1] * squares[1]);
-                A::mul_add(thermal.load[j], load, early + late)
-            };
+        let nodes = rollout
+            .stages
+            .iter_mut()
+            .zip(&mut rollout.thermal_load[1..]);
+        for ((stage, node), interval) in nodes.zip(self.each_interval()) {
+            let thermal = &interval.thermal;
+            let torque = vector(&stage.torque);
+            let heat = per_torque * torque * torque;
             if price > 0.0 {
-                stage.thermal_load = std::array::from_fn(step);
-                for (weight, load) in QUADRATURE.iter().zip(&stage.thermal_load) {
-                    rollout.cost = A::mul_add(price * length * weight, load * load, rollout.cost);
+                let mut t = vector(thermal.stage_load()) * splat(load);
+                for (warming, heat) in thermal.warming.iter().zip(heat.lanes()) {
+                    t = vector(warming).mul_add(splat(heat), t);
                 }
+                cost = (vector(&interval.quadrature) * t).mul_add(t, cost);
+                stage.thermal_load = t.lanes();
             }
-            load = step(STAGES);
-            rollout.thermal_load[k + 1] = load;
-            let excess = (load - thermal_limit).max(0.0);
-            rollout.excess = rollout.excess.max(excess);
-            rollout.total_excess += excess;
+            let warmed = (vector(thermal.weights()) * heat).sum();
+            load = A::mul_add(thermal.decay(), load, warmed);
+            *node = load;
+            let beyond = load - interval.thermal_limit;
+            let above = if beyond > 0.0 { beyond } else { 0.0 };
+            excess = if above > excess { above } else { excess };
+            total_excess += above;
         }
+        rollout.cost = A::mul_add(price, cost.sum(), rollout.cost);
+        (rollout.excess, rollout.total_excess) = (excess, total_excess);
     }
 
     /// ∂cost/∂(θr, ωr, u) and the price of heat along `rollout` of `moves`, with the weight

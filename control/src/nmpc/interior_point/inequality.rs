@@ -12,8 +12,18 @@
 //! ```
 //!
 //! with m_s = m_t = μ, less the product of the predictor's changes (Mehrotra's correction).
+//!
+//! Rows are kept in groups of four, the lanes of vectors. Rows that only fill a group up, and those that are
+//! lost, stay as they are: their steps are masked.
 
-use arm::Arithmetic;
+mod measure;
+mod rows;
+
+use arm::{Arithmetic, LANES, Vector};
+
+pub use self::measure::Measure;
+pub use self::rows::Aim;
+use self::rows::{Lanes, Rows};
 
 /// Part of the way to the boundary that a step may go.
 const TO_BOUNDARY: f64 = 0.995;
@@ -21,72 +31,57 @@ const TO_BOUNDARY: f64 = 0.995;
 const BELOW_PRICE: f64 = 0.9;
 /// Largest multiplier at the start where there is no price.
 const STEEPEST_START: f64 = 1e12;
-/// Running sums and maxima that are kept side by side, for the sake of vector instructions.
-const LANES: usize = 4;
-/// Factors of a product whose logarithm is taken at once; 16 numbers of 1e-18 do not underflow.
-const FACTORS: usize = 16;
-
-/// The larger number, by one instruction. Unlike `f64::max` it may lose a NaN; the merit of the step, which
-/// is one then, tells.
+/// The largest lane.
 #[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+pub fn largest<V: Vector>(of: V) -> f64 {
+    let [a, b, c, d] = of.lanes();
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    larger(larger(a, b), larger(c, d))
 }
 
-/// A family of inequalities, one a node.
+/// Largest steps, at most 1, that keep positive what approaches its boundary at `rates` in a whole step.
+#[inline(always)]
+pub fn length<V: Vector>(rates: V) -> f64 {
+    (TO_BOUNDARY / largest(rates)).min(1.0)
+}
+
+/// A family of inequalities `sign`·(quantity − bound) ≤ 0, one a node.
 #[derive(Clone, Debug)]
 pub struct Inequalities {
     /// ρ; infinite: no excess.
     pub price: f64,
     /// How many are exceeded whatever the moves: there λ = ρ, and nothing is left to decide.
     pub lost: usize,
-    /// c.
-    pub value: Vec<f64>,
-    /// s.
-    pub slack: Vec<f64>,
-    /// t.
-    pub excess: Vec<f64>,
-    /// λ.
-    pub multiplier: Vec<f64>,
-    /// Σ.
-    pub weight: Vec<f64>,
-    /// What dc is added to in the change of λ.
-    shift: Vec<f64>,
-    /// γ = λ + Σ·shift: slope of the step's cost in c.
-    pub slope: Vec<f64>,
-    /// m_s.
-    slack_product: Vec<f64>,
-    /// m_t.
-    excess_product: Vec<f64>,
-    slack_step: Vec<f64>,
-    excess_step: Vec<f64>,
-    multiplier_step: Vec<f64>,
+    sign: f64,
+    count: usize,
+    groups: Vec<Rows>,
 }
 
 impl Inequalities {
     /// `count` inequalities.
-    pub fn new(count: usize, price: f64) -> Self {
-        let zeros = || vec![0.0; count];
+    pub fn new(count: usize, price: f64, sign: f64) -> Self {
         Self {
             price,
             lost: 0,
-            value: zeros(),
-            slack: zeros(),
-            excess: zeros(),
-            multiplier: zeros(),
-            weight: zeros(),
-            shift: zeros(),
-            slope: zeros(),
-            slack_product: zeros(),
-            excess_product: zeros(),
-            slack_step: zeros(),
-            excess_step: zeros(),
-            multiplier_step: zeros(),
+            sign,
+            count,
+            groups: vec![Rows::IDLE; count.div_ceil(LANES)],
         }
     }
 
-    fn len(&self) -> usize {
-        self.value.len()
+    /// `count` inequalities with multipliers and slopes of `price` whatever the moves.
+    #[cfg(test)]
+    pub fn priced(count: usize, price: f64) -> Self {
+        let mut family = Self::new(count, price, 1.0);
+        for rows in &mut family.groups {
+            (rows.multiplier, rows.slope) = ([price; LANES], [price; LANES]);
+        }
+        family
+    }
+
+    /// Number of inequalities.
+    pub fn len(&self) -> usize {
+        self.count
     }
 
     fn elastic(&self) -> bool {
@@ -96,345 +91,270 @@ impl Inequalities {
     /// Number of complementarity products.
     pub fn products(&self) -> f64 {
         let each = if self.elastic() { 2.0 } else { 1.0 };
-        each * (self.len() - self.lost) as f64
+        each * (self.count - self.lost) as f64
     }
 
-    /// Slacks, excesses and multipliers with products `mu`, near the multipliers there are and with slacks
-    /// of at least `least` where there are none.
-    pub fn start(&mut self, mu: f64, least: f64) {
-        self.multiplier[..self.lost].fill(self.price);
-        self.slope[..self.lost].fill(self.price);
-        self.weight[..self.lost].fill(0.0);
-        for steps in [
-            &mut self.multiplier_step,
-            &mut self.slack_step,
-            &mut self.excess_step,
-        ] {
-            // All of them: what a failed solve left may be anything.
-            steps.fill(0.0);
+    /// Sets a bound for each.
+    pub fn set_bounds(&mut self, bounds: impl Iterator<Item = f64>) {
+        for (k, bound) in bounds.take(self.count).enumerate() {
+            self.groups[k / LANES].bound[k % LANES] = bound;
         }
-        let highest = if self.elastic() {
+    }
+
+    /// λ of each.
+    pub fn multipliers(&self) -> impl Iterator<Item = f64> {
+        let all = self.groups.iter().flat_map(|rows| rows.multiplier);
+        all.take(self.count)
+    }
+
+    /// λ of number `k`; zero if there is none. Likewise below.
+    #[inline(always)]
+    pub fn multiplier(&self, k: usize) -> f64 {
+        self.pick(k, |rows| &rows.multiplier)
+    }
+
+    /// Σ of number `k`.
+    #[inline(always)]
+    pub fn weight(&self, k: usize) -> f64 {
+        self.pick(k, |rows| &rows.weight)
+    }
+
+    /// Slope of the step's cost in quantity `k`.
+    #[inline(always)]
+    pub fn slope(&self, k: usize) -> f64 {
+        self.sign * self.pick(k, |rows| &rows.slope)
+    }
+
+    #[inline(always)]
+    fn pick(&self, k: usize, of: impl Fn(&Rows) -> &Lanes) -> f64 {
+        match self.groups.get(k / LANES) {
+            Some(rows) if k < self.count => of(rows)[k % LANES],
+            _ => 0.0,
+        }
+    }
+
+    /// Sets c for the `quantities`.
+    #[inline(always)]
+    pub fn evaluate<A: Arithmetic>(&mut self, quantities: &[f64]) {
+        let (quantities, rest) = quantities.as_chunks();
+        let sign = A::Vector::splat(self.sign);
+        for (rows, quantity) in self.groups.iter_mut().zip(quantities) {
+            rows.value = (sign * (A::Vector::new(quantity) - A::Vector::new(&rows.bound))).lanes();
+        }
+        if let Some(rows) = self.groups.get_mut(quantities.len()) {
+            for (l, quantity) in rest.iter().enumerate() {
+                rows.value[l] = self.sign * (quantity - rows.bound[l]);
+            }
+        }
+    }
+
+    /// Slacks, excesses and multipliers with products `mu`, near the guesses of the multipliers and with
+    /// slacks of at least `least` where there are none.
+    pub fn start(&mut self, mu: f64, least: f64, guesses: impl Iterator<Item = f64>) {
+        let elastic = self.elastic();
+        let highest = if elastic {
             BELOW_PRICE * self.price
         } else {
             STEEPEST_START
         };
-        for i in self.lost..self.len() {
-            let guess = self.multiplier[i].min(highest);
-            let floor = if guess > 0.0 { mu / guess } else { least };
-            let slack = f64::max(-self.value[i], floor);
-            self.slack[i] = slack;
-            self.multiplier[i] = (mu / slack).min(highest);
-            self.excess[i] = if self.elastic() {
-                mu / (self.price - self.multiplier[i])
-            } else {
-                0.0
+        let mut guesses = guesses.take(self.count);
+        for (g, rows) in self.groups.iter_mut().enumerate() {
+            // Nothing of what a failed solve left is kept.
+            *rows = Rows {
+                bound: rows.bound,
+                value: rows.value,
+                excess: [if elastic { 1.0 } else { 0.0 }; LANES],
+                ..Rows::IDLE
             };
+            for l in 0..LANES {
+                let Some(guess) = guesses.next() else { break };
+                if LANES * g + l < self.lost {
+                    rows.multiplier[l] = self.price;
+                    continue;
+                }
+                let guess = guess.min(highest);
+                let floor = if guess > 0.0 { mu / guess } else { least };
+                rows.open[l] = 1.0;
+                rows.slack[l] = f64::max(-rows.value[l], floor);
+                rows.multiplier[l] = (mu / rows.slack[l]).min(highest);
+                if elastic {
+                    rows.excess[l] = mu / (self.price - rows.multiplier[l]);
+                }
+            }
         }
     }
 
     /// Whether c > `tolerance` anywhere that the moves decide.
     pub fn exceeded(&self, tolerance: f64) -> bool {
-        self.value[self.lost..].iter().any(|&c| c > tolerance)
+        let exceeded = |rows: &Rows| {
+            let mut pairs = rows.value.iter().zip(&rows.open);
+            pairs.any(|(&c, &open)| open > 0.0 && c > tolerance)
+        };
+        self.groups.iter().any(exceeded)
     }
 
-    /// Slacks, excesses and multipliers with residuals of zero and products `mu`, for any c: with
-    /// s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price [`Self::start`] comes nearest.
+    /// Slacks, excesses and multipliers with products `mu` and, with a price, residuals of zero for any c:
+    /// with s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price, near the multipliers there are.
     pub fn restart(&mut self, mu: f64) {
-        if !self.elastic() {
-            return self.start(mu, 1.0);
-        }
         let price = self.price;
-        for i in self.lost..self.len() {
-            let priced = price * self.value[i];
-            let root = (priced * priced + 4.0 * mu * mu).sqrt();
-            // The larger of s and t, to which nothing cancels.
-            let larger = (priced.abs() + 2.0 * mu + root) / (2.0 * price);
-            let smaller = mu * larger / (price * larger - mu);
-            (self.slack[i], self.excess[i], self.multiplier[i]) = if priced < 0.0 {
-                (larger, smaller, mu / larger)
-            } else {
-                (smaller, larger, price - mu / larger)
-            };
+        let elastic = self.elastic();
+        for rows in &mut self.groups {
+            for l in (0..LANES).filter(|&l| rows.open[l] > 0.0) {
+                if !elastic {
+                    rows.slack[l] = f64::max(-rows.value[l], mu / rows.multiplier[l]);
+                    rows.multiplier[l] = mu / rows.slack[l];
+                    continue;
+                }
+                let priced = price * rows.value[l];
+                let root = (priced * priced + 4.0 * mu * mu).sqrt();
+                // The larger of s and t, to which nothing cancels.
+                let larger = (priced.abs() + 2.0 * mu + root) / (2.0 * price);
+                let smaller = mu * larger / (price * larger - mu);
+                (rows.slack[l], rows.excess[l], rows.multiplier[l]) = if priced < 0.0 {
+                    (larger, smaller, mu / larger)
+                } else {
+                    (smaller, larger, price - mu / larger)
+                };
+            }
         }
-    }
-
-    /// Σ of the complementarity products.
-    #[inline(always)]
-    pub fn gap(&self) -> f64 {
-        self.gap_after(0.0, 0.0)
-    }
-
-    /// Σ|r| and the largest |r|.
-    #[inline(always)]
-    pub fn residuals(&self) -> [f64; 2] {
-        let rows = self.value[self.lost..].iter();
-        let rows = rows
-            .zip(&self.slack[self.lost..])
-            .zip(&self.excess[self.lost..]);
-        rows.fold([0.0, 0.0], |[sum, most], ((c, s), t)| {
-            let residual = (c + s - t).abs();
-            [sum + residual, f64::max(most, residual)]
-        })
     }
 
     /// Weights and slopes of a step towards products of zero.
     #[inline(always)]
-    pub fn predict(&mut self) {
+    pub fn predict<A: Arithmetic>(&mut self) {
         let elastic = self.elastic();
-        let rows = self.lost..self.len();
-        let (c, s) = (&self.value[rows.clone()], &self.slack[rows.clone()]);
-        let (t, lambda) = (&self.excess[rows.clone()], &self.multiplier[rows.clone()]);
-        let weight = &mut self.weight[rows.clone()];
-        if elastic {
-            for i in 0..c.len() {
-                // 1/(s/λ + t/ν) with one division.
-                let nu = self.price - lambda[i];
-                weight[i] = lambda[i] * nu / (s[i] * nu + t[i] * lambda[i]);
+        let (vector, one) = (A::Vector::new, A::Vector::splat(1.0));
+        for rows in &mut self.groups {
+            let (s, lambda) = (vector(&rows.slack), vector(&rows.multiplier));
+            let open = vector(&rows.open);
+            // Two inverses with one division.
+            let inverse = one.over(s * lambda);
+            let (per_slack, per_multiplier) = (inverse * lambda, inverse * s);
+            let mut weight = lambda * per_slack;
+            if elastic {
+                let t = vector(&rows.excess);
+                // Nothing is left of the price where a row is lost; any number will do.
+                let nu = A::Vector::splat(self.price) - lambda + (one - open);
+                let inverse = one.over(t * nu);
+                let per_rest = inverse * t;
+                weight = one.over(s.mul_add(per_multiplier, t * per_rest));
+                rows.per_excess = (inverse * nu).lanes();
+                rows.per_rest = per_rest.lanes();
             }
-        } else {
-            for i in 0..c.len() {
-                weight[i] = lambda[i] / s[i];
-            }
-        }
-        let (shift, slope) = (&mut self.shift[rows.clone()], &mut self.slope[rows]);
-        for i in 0..c.len() {
-            shift[i] = c[i];
-            slope[i] = lambda[i] + weight[i] * c[i];
+            weight = weight * open;
+            rows.per_slack = per_slack.lanes();
+            rows.per_multiplier = per_multiplier.lanes();
+            rows.weight = weight.lanes();
+            rows.slope = weight.mul_add(vector(&rows.value), lambda).lanes();
         }
     }
 
-    /// Slopes of a step towards products of `mu`, corrected by the products of the latest changes.
+    /// Slopes of a step towards products of `aim`.
     #[inline(always)]
-    pub fn correct(&mut self, mu: f64) {
-        let elastic = self.elastic();
-        let rows = self.lost..self.len();
-        let (c, lambda) = (&self.value[rows.clone()], &self.multiplier[rows.clone()]);
-        let weight = &self.weight[rows.clone()];
-        let of_slack = &mut self.slack_product[rows.clone()];
-        let of_excess = &mut self.excess_product[rows.clone()];
-        let (slack_step, excess_step) = (
-            &self.slack_step[rows.clone()],
-            &self.excess_step[rows.clone()],
-        );
-        let multiplier_step = &self.multiplier_step[rows.clone()];
-        let (shift, slope) = (&mut self.shift[rows.clone()], &mut self.slope[rows]);
-        for i in 0..c.len() {
-            of_slack[i] = mu - multiplier_step[i] * slack_step[i];
-            shift[i] = c[i] + of_slack[i] / lambda[i];
-        }
-        if elastic {
-            for i in 0..c.len() {
-                of_excess[i] = mu + multiplier_step[i] * excess_step[i];
-                shift[i] -= of_excess[i] / (self.price - lambda[i]);
-            }
-        }
-        for i in 0..c.len() {
-            slope[i] = lambda[i] + weight[i] * shift[i];
+    pub fn correct<A: Arithmetic>(&mut self, aim: Aim) {
+        let vector = A::Vector::new;
+        for rows in &mut self.groups {
+            let [of_slack, of_excess] = rows.targets::<A>(aim);
+            let shift = vector(&rows.value) + of_slack - of_excess;
+            let slope = vector(&rows.weight).mul_add(shift, vector(&rows.multiplier));
+            rows.slope = slope.lanes();
         }
     }
 
-    /// Forgets what [`Self::correct`] aimed at: products of zero.
+    /// Changes of s, t and λ towards products of `aim` that go with the `changes` of the quantities. Raises
+    /// `rates` to the largest at which s, t and λ, ρ − λ approach zero.
     #[inline(always)]
-    pub fn aim_at_zero(&mut self) {
-        self.slack_product.fill(0.0);
-        self.excess_product.fill(0.0);
-    }
-
-    /// Changes of s, t and λ that go with the changes `sign`·`change` of c. Returns the largest steps that
-    /// keep s, t > 0, and 0 < λ < ρ.
-    #[inline(always)]
-    pub fn step<A: Arithmetic>(&mut self, sign: f64, change: &[f64]) -> [f64; 2] {
+    pub fn step<A: Arithmetic>(
+        &mut self,
+        aim: Aim,
+        changes: &[Lanes],
+        [primal, dual]: &mut [A::Vector; 2],
+    ) {
         let elastic = self.elastic();
-        let rows = self.lost..self.len();
-        let change = &change[rows.clone()];
-        let (s, t) = (&self.slack[rows.clone()], &self.excess[rows.clone()]);
-        let (lambda, weight) = (&self.multiplier[rows.clone()], &self.weight[rows.clone()]);
-        let shift = &self.shift[rows.clone()];
-        let of_slack = &self.slack_product[rows.clone()];
-        let of_excess = &self.excess_product[rows.clone()];
-        let slack_step = &mut self.slack_step[rows.clone()];
-        let excess_step = &mut self.excess_step[rows.clone()];
-        let multiplier_step = &mut self.multiplier_step[rows];
-        // Inverse step lengths: the largest rates of approach to the boundary.
-        let (mut primal, mut dual) = ([0.0_f64; LANES], [0.0_f64; LANES]);
-        for i in 0..change.len() {
-            let step = weight[i] * A::mul_add(sign, change[i], shift[i]);
-            let inverse = 1.0 / lambda[i];
-            slack_step[i] = A::mul_add(-s[i] * inverse, step, of_slack[i] * inverse - s[i]);
-            multiplier_step[i] = step;
-        }
-        if elastic {
-            for i in 0..change.len() {
-                let inverse = 1.0 / (self.price - lambda[i]);
-                let step = multiplier_step[i];
-                excess_step[i] = A::mul_add(t[i] * inverse, step, of_excess[i] * inverse - t[i]);
-            }
-            for i in 0..change.len() {
-                let lane = i % LANES;
-                primal[lane] = larger(primal[lane], -excess_step[i] / t[i]);
-                dual[lane] = larger(dual[lane], multiplier_step[i] / (self.price - lambda[i]));
+        let (vector, zero) = (A::Vector::new, A::Vector::splat(0.0));
+        let sign = A::Vector::splat(self.sign);
+        for (rows, change) in self.groups.iter_mut().zip(changes) {
+            let open = vector(&rows.open);
+            let (s, t) = (vector(&rows.slack), vector(&rows.excess));
+            let per_multiplier = vector(&rows.per_multiplier);
+            let [of_slack, of_excess] = rows.targets::<A>(aim);
+            let shift = vector(&rows.value) + of_slack - of_excess;
+            let step = vector(&rows.weight) * sign.mul_add(vector(change), shift);
+            let slack_step = open * (s * per_multiplier).neg_mul_add(step, of_slack - s);
+            rows.multiplier_step = step.lanes();
+            rows.slack_step = slack_step.lanes();
+            *primal = slack_step
+                .neg_mul_add(vector(&rows.per_slack), zero)
+                .larger(*primal);
+            *dual = step.neg_mul_add(per_multiplier, zero).larger(*dual);
+            if elastic {
+                let per_rest = vector(&rows.per_rest);
+                let excess_step = open * (t * per_rest).mul_add(step, of_excess - t);
+                rows.excess_step = excess_step.lanes();
+                *primal = excess_step
+                    .neg_mul_add(vector(&rows.per_excess), zero)
+                    .larger(*primal);
+                *dual = (step * per_rest).larger(*dual);
             }
         }
-        for i in 0..change.len() {
-            let lane = i % LANES;
-            primal[lane] = larger(primal[lane], -slack_step[i] / s[i]);
-            dual[lane] = larger(dual[lane], -multiplier_step[i] / lambda[i]);
-        }
-        [primal, dual].map(|rates| (TO_BOUNDARY / rates.into_iter().fold(0.0, larger)).min(1.0))
     }
 
     /// Σ of the products after a step of the given lengths.
     #[inline(always)]
-    pub fn gap_after(&self, primal: f64, dual: f64) -> f64 {
-        let rows = self.lost..self.len();
-        let (s, slack_step) = (&self.slack[rows.clone()], &self.slack_step[rows.clone()]);
-        let (t, excess_step) = (&self.excess[rows.clone()], &self.excess_step[rows.clone()]);
-        let multiplier_step = &self.multiplier_step[rows.clone()];
-        let lambda = &self.multiplier[rows];
-        let mut gap = [0.0; LANES];
-        for i in 0..s.len() {
-            let after = lambda[i] + dual * multiplier_step[i];
-            gap[i % LANES] += after * (s[i] + primal * slack_step[i]);
-        }
-        if self.elastic() {
-            for i in 0..s.len() {
-                let after = self.price - (lambda[i] + dual * multiplier_step[i]);
-                gap[i % LANES] += after * (t[i] + primal * excess_step[i]);
+    pub fn gap_after<A: Arithmetic>(&self, primal: f64, dual: f64) -> f64 {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let (primal, dual) = (splat(primal), splat(dual));
+        let elastic = self.elastic();
+        let mut gap = splat(0.0);
+        for rows in &self.groups {
+            let lambda = dual.mul_add(vector(&rows.multiplier_step), vector(&rows.multiplier));
+            let s = primal.mul_add(vector(&rows.slack_step), vector(&rows.slack));
+            let mut products = lambda * s;
+            if elastic {
+                let t = primal.mul_add(vector(&rows.excess_step), vector(&rows.excess));
+                products = (splat(self.price) - lambda).mul_add(t, products);
             }
+            gap = products.mul_add(vector(&rows.open), gap);
         }
-        gap.iter().sum()
+        gap.sum()
     }
 
     /// Largest multiplier before or after the whole step.
     #[inline(always)]
-    pub fn steepest(&self) -> f64 {
-        let rows = self.multiplier.iter().zip(&self.multiplier_step);
-        rows.fold(0.0, |most, (lambda, step)| {
-            larger(most, larger(*lambda, lambda + step))
-        })
+    pub fn steepest<A: Arithmetic>(&self) -> f64 {
+        let vector = A::Vector::new;
+        let mut most = A::Vector::splat(0.0);
+        for rows in &self.groups {
+            let lambda = vector(&rows.multiplier);
+            let after = lambda + vector(&rows.multiplier_step);
+            most = lambda.larger(after).larger(most);
+        }
+        largest(most)
     }
 
     /// Takes the step in s and t.
     #[inline(always)]
-    pub fn advance(&mut self, primal: f64) {
-        for (s, step) in self.slack.iter_mut().zip(&self.slack_step) {
-            *s += primal * step;
-        }
-        for (t, step) in self.excess.iter_mut().zip(&self.excess_step) {
-            *t += primal * step;
-        }
-    }
-
-    /// Takes the step in λ.
-    #[inline(always)]
-    pub fn advance_multipliers(&mut self, dual: f64) {
-        for (lambda, step) in self.multiplier.iter_mut().zip(&self.multiplier_step) {
-            *lambda += dual * step;
+    pub fn advance<A: Arithmetic>(&mut self, primal: f64) {
+        let (vector, primal) = (A::Vector::new, A::Vector::splat(primal));
+        for rows in &mut self.groups {
+            let slack = primal.mul_add(vector(&rows.slack_step), vector(&rows.slack));
+            let excess = primal.mul_add(vector(&rows.excess_step), vector(&rows.excess));
+            (rows.slack, rows.excess) = (slack.lanes(), excess.lanes());
         }
     }
 
-    /// Lets the slack take in what c is smaller than expected.
+    /// Takes the step in λ, and lets the slacks take in what c is smaller than expected.
     #[inline(always)]
-    pub fn reset_slack(&mut self) {
-        let rows = self.value.iter().zip(&self.excess);
-        for (s, (c, t)) in self.slack.iter_mut().zip(rows).skip(self.lost) {
-            *s = larger(*s, t - c);
+    pub fn settle<A: Arithmetic>(&mut self, dual: f64) {
+        let (vector, dual) = (A::Vector::new, A::Vector::splat(dual));
+        for rows in &mut self.groups {
+            let lambda = dual.mul_add(vector(&rows.multiplier_step), vector(&rows.multiplier));
+            let least = vector(&rows.excess) - vector(&rows.value);
+            rows.multiplier = lambda.lanes();
+            rows.slack = vector(&rows.slack).larger(least).lanes();
         }
-    }
-
-    /// Barrier, price of excess and `weight` times Σ|r|.
-    #[inline(always)]
-    pub fn merit(&self, mu: f64, weight: f64) -> f64 {
-        let mut logarithms = 0.0;
-        for slacks in self.slack[self.lost..].chunks(FACTORS) {
-            logarithms += slacks.iter().product::<f64>().ln();
-        }
-        let mut excess = 0.0;
-        if self.elastic() {
-            for excesses in self.excess[self.lost..].chunks(FACTORS) {
-                logarithms += excesses.iter().product::<f64>().ln();
-            }
-            excess = self.price
-                * (self.excess[self.lost..].iter().sum::<f64>()
-                    + self.value[..self.lost].iter().sum::<f64>());
-        }
-        excess - mu * logarithms + weight * self.residuals()[0]
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use arm::Separate;
-    use proptest::prelude::*;
-
-    /// The equations of the module's head, linearised.
-    fn assert_solved(family: &Inequalities, sign: f64, change: &[f64], mu: [&[f64]; 2]) {
-        for i in 0..change.len() {
-            let (c, s, t) = (family.value[i], family.slack[i], family.excess[i]);
-            let (ds, dt) = (family.slack_step[i], family.excess_step[i]);
-            let (lambda, step) = (family.multiplier[i], family.multiplier_step[i]);
-            let row = c + sign * change[i] + (s + ds) - (t + dt);
-            assert!(row.abs() < 1e-9, "{row}");
-            let product = lambda * ds + s * step + lambda * s - mu[0][i];
-            assert!(product.abs() < 1e-9, "{product}");
-            if family.elastic() {
-                let nu = family.price - lambda;
-                let product = nu * dt - t * step + nu * t - mu[1][i];
-                assert!(product.abs() < 1e-9, "{product}");
-            }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn a_restart_is_central(values in prop::collection::vec(-9.0..9.0_f64, 7), mu in 1e-3..1e2_f64) {
-            let mut family = Inequalities::new(7, 10.0);
-            family.value.copy_from_slice(&values);
-            family.restart(mu);
-            prop_assert!(family.residuals()[1] < 1e-12);
-            for i in 0..7 {
-                let (s, t, lambda) = (family.slack[i], family.excess[i], family.multiplier[i]);
-                prop_assert!(s > 0.0 && t > 0.0 && lambda > 0.0 && lambda < 10.0);
-                prop_assert!((lambda * s - mu).abs() < 1e-9 * mu.max(1.0), "{i}: {}", lambda * s);
-                prop_assert!(((10.0 - lambda) * t - mu).abs() < 1e-9 * mu.max(1.0));
-            }
-        }
-
-        #[test]
-        fn steps_solve_the_linearised_equations(
-            values in prop::collection::vec(-2.0..2.0_f64, 7), change in prop::collection::vec(-1.0..1.0_f64, 7),
-            mu in 1e-3..0.5_f64, elastic: bool, sign in prop_oneof![Just(1.0), Just(-1.0)],
-        ) {
-            let mut family = Inequalities::new(7, if elastic { 10.0 } else { f64::INFINITY });
-            family.value.copy_from_slice(&values);
-            family.start(mu, 0.1);
-            prop_assert!((family.gap() - mu * family.products()).abs() < 1e-9);
-            family.predict();
-            family.aim_at_zero();
-            let [primal, dual] = family.step::<Separate>(sign, &change);
-            assert_solved(&family, sign, &change, [&[0.0; 7], &[0.0; 7]]);
-
-            // Whatever the step, what must be positive stays so.
-            for i in 0..7 {
-                let lambda = family.multiplier[i] + dual * family.multiplier_step[i];
-                prop_assert!(family.slack[i] + primal * family.slack_step[i] > 0.0);
-                prop_assert!(lambda > 0.0 && lambda < family.price);
-                prop_assert!(!elastic || family.excess[i] + primal * family.excess_step[i] > 0.0);
-            }
-
-            let target = 0.1 * mu;
-            let products = |steps: &[f64], sign: f64| -> Vec<f64> {
-                let pairs = steps.iter().zip(&family.multiplier_step);
-                pairs.map(|(a, b)| target + sign * a * b).collect()
-            };
-            let expected = [
-                products(&family.slack_step, -1.0),
-                products(&family.excess_step, 1.0),
-            ];
-            family.correct(target);
-            family.step::<Separate>(sign, &change);
-            assert_solved(&family, sign, &change, [&expected[0], &expected[1]]);
-        }
-    }
-}
+mod tests;

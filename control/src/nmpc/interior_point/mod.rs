@@ -31,9 +31,9 @@
 mod inequality;
 mod newton;
 
-use arm::{Arithmetic, Kernel};
+use arm::{Arithmetic, Kernel, Vector};
 
-use self::inequality::Inequalities;
+use self::inequality::{Aim, Inequalities, Measure, length};
 use self::newton::Newton;
 use super::rollout::Rollout;
 use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
@@ -58,7 +58,7 @@ const DECREASE: f64 = 1e-6;
 /// Largest residual at the end \[A², rad\].
 const RESIDUAL: f64 = 1e-8;
 /// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
-const PENALTY: f64 = 1e-4;
+const PENALTY: f64 = 3e-5;
 /// Iterations after which a plan with excess goes on with products of [`CENTRAL`].
 const RESTART: u32 = 18;
 /// Products that reach any optimum with excess, if slowly.
@@ -74,6 +74,8 @@ struct InteriorPoint<const S: usize> {
     thermal: Inequalities,
     lower: Inequalities,
     upper: Inequalities,
+    /// Of the three families at the latest iterate.
+    measures: [Measure; 3],
     trial: Vec<f64>,
     trial_rollout: Rollout,
     /// Moves of the best plan among the iterates [N].
@@ -88,9 +90,10 @@ impl<const S: usize> InteriorPoint<S> {
         let loads = problem.thermal_limit.map_or(0, |_| horizon);
         Self {
             newton: Newton::new(transcription),
-            thermal: Inequalities::new(loads, 1.0),
-            lower: Inequalities::new(horizon - 1, f64::INFINITY),
-            upper: Inequalities::new(horizon - 1, f64::INFINITY),
+            thermal: Inequalities::new(loads, 1.0, 1.0),
+            lower: Inequalities::new(horizon - 1, f64::INFINITY, -1.0),
+            upper: Inequalities::new(horizon - 1, f64::INFINITY, 1.0),
+            measures: [Measure::default(); 3],
             trial: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
             best: vec![0.0; horizon],
@@ -100,27 +103,20 @@ impl<const S: usize> InteriorPoint<S> {
 
     /// c of all inequalities along the trial.
     #[inline(always)]
-    fn evaluate_trial(&mut self, task: &Task<'_>) {
+    fn evaluate_trial<A: Arithmetic>(&mut self) {
         let rollout = &self.trial_rollout;
-        let loads = self
-            .thermal
-            .value
-            .iter_mut()
-            .zip(&rollout.thermal_load[1..]);
-        for (k, (c, load)) in loads.enumerate() {
-            *c = load - task.transcription.interval(k).thermal_limit;
-        }
-        let angles = &rollout.reference_angle[1..];
-        for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
-            self.lower.value[k] = lowest - angles[k];
-            self.upper.value[k] = angles[k] - highest;
-        }
+        let [_, angles @ .., _] = &rollout.reference_angle[..] else {
+            return;
+        };
+        self.thermal.evaluate::<A>(&rollout.thermal_load[1..]);
+        self.lower.evaluate::<A>(angles);
+        self.upper.evaluate::<A>(angles);
     }
 
     /// Number of nodes after the first where T exceeds its limit even without any heat.
     fn lost(&self, transcription: &Transcription) -> usize {
         let mut load = transcription.initial().thermal_load;
-        let cooled = (0..self.thermal.value.len()).take_while(|&k| {
+        let cooled = (0..self.thermal.len()).take_while(|&k| {
             let interval = transcription.interval(k);
             load *= interval.thermal.decay();
             load > interval.thermal_limit
@@ -129,30 +125,31 @@ impl<const S: usize> InteriorPoint<S> {
     }
 
     #[inline(always)]
-    fn gap(&self) -> f64 {
-        self.thermal.gap() + self.lower.gap() + self.upper.gap()
-    }
-
-    #[inline(always)]
     fn families(&mut self) -> [&mut Inequalities; 3] {
         [&mut self.thermal, &mut self.lower, &mut self.upper]
     }
 
     #[inline(always)]
-    fn merit(&self, cost: f64, mu: f64, weights: [f64; 3]) -> f64 {
-        cost + self.thermal.merit(mu, weights[0])
-            + self.lower.merit(mu, weights[1])
-            + self.upper.merit(mu, weights[2])
+    fn measure<A: Arithmetic>(&self) -> [Measure; 3] {
+        [
+            self.thermal.measure::<A>(),
+            self.lower.measure::<A>(),
+            self.upper.measure::<A>(),
+        ]
     }
 
-    /// Steps of the inequalities that go with the Newton step; the largest primal and dual step lengths.
+    /// Newton step towards products of `aim` and the steps of the inequalities that go with it; the largest
+    /// primal and dual step lengths.
     #[inline(always)]
-    fn steps<A: Arithmetic>(&mut self) -> [f64; 2] {
-        let thermal_changes = &self.newton.load[..self.thermal.value.len()];
-        let thermal = self.thermal.step::<A>(1.0, thermal_changes);
-        let lower = self.lower.step::<A>(-1.0, &self.newton.angle);
-        let upper = self.upper.step::<A>(1.0, &self.newton.angle);
-        std::array::from_fn(|i| thermal[i].min(lower[i]).min(upper[i]))
+    fn solve_for<A: Arithmetic>(&mut self, aim: Aim) -> [f64; 2] {
+        self.newton
+            .solve::<A>([&self.thermal, &self.lower, &self.upper]);
+        let mut rates = [A::Vector::splat(0.0); 2];
+        let Newton { load, angle, .. } = &self.newton;
+        self.thermal.step::<A>(aim, load, &mut rates);
+        self.lower.step::<A>(aim, angle, &mut rates);
+        self.upper.step::<A>(aim, angle, &mut rates);
+        [length(rates[0]), length(rates[1])]
     }
 
     /// Rolls the guess out, led to rest, and places slacks and multipliers.
@@ -165,29 +162,33 @@ impl<const S: usize> InteriorPoint<S> {
         multipliers: &Multipliers,
     ) {
         let transcription = task.transcription;
+        let problem = transcription.problem();
+        let limit = problem.thermal_limit.unwrap_or(0.0);
+        let limits = (0..problem.horizon).map(|k| transcription.interval(k).thermal_limit);
+        self.thermal.set_bounds(limits);
+        let bounds = task.angle_bounds.iter();
+        self.lower
+            .set_bounds(bounds.clone().map(|bounds| bounds[0]));
+        self.upper.set_bounds(bounds.map(|bounds| bounds[1]));
         transcription.end_at_rest(moves);
         transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
-        self.evaluate_trial(task);
+        self.evaluate_trial::<A>();
         std::mem::swap(rollout, &mut self.trial_rollout);
         self.thermal.price = task.excess_weight;
         self.thermal.lost = self.lost(transcription);
-        let problem = transcription.problem();
         let range = problem.angle_upper - problem.angle_lower;
-        let limit = problem.thermal_limit.unwrap_or(0.0);
         let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
         let leasts = [least(limit), least(range), least(range)];
-        let mu = if multipliers.known { WARM } else { COLD };
+        let known = multipliers.known;
+        let mu = if known { WARM } else { COLD };
+        let scaled = |guess: &f64| {
+            if known { guess / task.cost_scale } else { 0.0 }
+        };
         let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
-        for ((family, least), guess) in self.families().into_iter().zip(leasts).zip(guesses) {
-            for (multiplier, guess) in family.multiplier.iter_mut().zip(guess) {
-                *multiplier = if multipliers.known {
-                    guess / task.cost_scale
-                } else {
-                    0.0
-                };
-            }
-            family.start(mu, least);
+        for ((family, least), guesses) in self.families().into_iter().zip(leasts).zip(guesses) {
+            family.start(mu, least, guesses.iter().map(scaled));
         }
+        self.measures = self.measure::<A>();
     }
 
     /// The predictor's and the corrector's step; none if there is no minimum.
@@ -198,11 +199,10 @@ impl<const S: usize> InteriorPoint<S> {
         moves: &[f64],
         rollout: &Rollout,
     ) -> Option<Step> {
-        let gap = self.gap();
-        for family in self.families() {
-            family.predict();
-            family.aim_at_zero();
-        }
+        let gap = total(&self.measures, |measure| measure.gap);
+        self.thermal.predict::<A>();
+        self.lower.predict::<A>();
+        self.upper.predict::<A>();
         let families = [&self.thermal, &self.lower, &self.upper];
         let newton = &mut self.newton;
         if !newton.factorise::<A>(task, moves, rollout, families, true)
@@ -210,22 +210,22 @@ impl<const S: usize> InteriorPoint<S> {
         {
             return None;
         }
-        newton.solve::<A>(families);
-        let [primal, dual] = self.steps::<A>();
-        let after: f64 = [&self.thermal, &self.lower, &self.upper]
-            .map(|family| family.gap_after(primal, dual))
-            .iter()
-            .sum();
+        let [primal, dual] = self.solve_for::<A>(Aim::ZERO);
+        let after = self.thermal.gap_after::<A>(primal, dual)
+            + self.lower.gap_after::<A>(primal, dual)
+            + self.upper.gap_after::<A>(primal, dual);
         let ratio = (after / gap).clamp(0.0, 1.0);
         let share = f64::max(ratio * ratio, UNFINISHED * (1.0 - primal.min(dual)));
         let products = self.thermal.products() + self.lower.products() + self.upper.products();
         let mu = f64::max(share * gap, 0.1 * GAP) / products;
-        for family in self.families() {
-            family.correct(mu);
-        }
-        self.newton
-            .solve::<A>([&self.thermal, &self.lower, &self.upper]);
-        let [primal, dual] = self.steps::<A>();
+        let aim = Aim {
+            mu,
+            correction: 1.0,
+        };
+        self.thermal.correct::<A>(aim);
+        self.lower.correct::<A>(aim);
+        self.upper.correct::<A>(aim);
+        let [primal, dual] = self.solve_for::<A>(aim);
         Some(Step { mu, primal, dual })
     }
 
@@ -240,9 +240,17 @@ impl<const S: usize> InteriorPoint<S> {
         rollout: &mut Rollout,
     ) -> bool {
         let scale = 1.0 / task.cost_scale;
-        let weights =
-            [&self.thermal, &self.lower, &self.upper].map(|family| STEEPER * family.steepest());
-        let before = self.merit(rollout.cost * scale, step.mu, weights);
+        let weights = [
+            STEEPER * self.thermal.steepest::<A>(),
+            STEEPER * self.lower.steepest::<A>(),
+            STEEPER * self.upper.steepest::<A>(),
+        ];
+        let merit = |cost: f64, measures: &[Measure; 3]| {
+            let families = measures.iter().zip(weights);
+            let merits = families.map(|(measure, weight)| measure.merit(step.mu, weight));
+            cost * scale + merits.sum::<f64>()
+        };
+        let before = merit(rollout.cost, &self.measures);
         let tolerance = 1e-12 * before.abs();
         let (mut primal, mut taken) = (step.primal, 0.0);
         let mut after = f64::NAN;
@@ -253,12 +261,12 @@ impl<const S: usize> InteriorPoint<S> {
             }
             task.transcription
                 .roll_out_with::<A>(&self.trial, &mut self.trial_rollout);
-            self.evaluate_trial(task);
-            for family in self.families() {
-                family.advance(primal - taken);
-            }
+            self.evaluate_trial::<A>();
+            self.thermal.advance::<A>(primal - taken);
+            self.lower.advance::<A>(primal - taken);
+            self.upper.advance::<A>(primal - taken);
             taken = primal;
-            after = self.merit(self.trial_rollout.cost * scale, step.mu, weights);
+            after = merit(self.trial_rollout.cost, &self.measure::<A>());
             if after <= before + tolerance {
                 break;
             }
@@ -267,10 +275,10 @@ impl<const S: usize> InteriorPoint<S> {
         if !after.is_finite() {
             return false;
         }
-        for family in self.families() {
-            family.reset_slack();
-            family.advance_multipliers(step.dual);
-        }
+        self.thermal.settle::<A>(step.dual);
+        self.lower.settle::<A>(step.dual);
+        self.upper.settle::<A>(step.dual);
+        self.measures = self.measure::<A>();
         moves.copy_from_slice(&self.trial);
         std::mem::swap(rollout, &mut self.trial_rollout);
         true
@@ -281,13 +289,14 @@ impl<const S: usize> InteriorPoint<S> {
         let unit = f64::max(1.0, rollout.cost / task.cost_scale);
         let missed = PENALTY * rollout.total_excess;
         let penalty = task.excess_weight * missed;
-        let residual = [&self.thermal, &self.lower, &self.upper]
-            .map(|family| family.residuals()[1])
-            .into_iter()
-            .fold(0.0, f64::max);
-        self.gap() <= GAP * unit + penalty
-            && residual <= RESIDUAL + 1e-2 * missed
+        let gap = total(&self.measures, |measure| measure.gap);
+        let residual = RESIDUAL + 1e-2 * missed;
+        gap <= GAP * unit + penalty
             && self.newton.decrease <= DECREASE * unit + penalty
+            && self
+                .measures
+                .iter()
+                .all(|measure| measure.residual <= residual)
     }
 
     #[inline(always)]
@@ -313,6 +322,7 @@ impl<const S: usize> InteriorPoint<S> {
                 for family in self.families() {
                     family.restart(CENTRAL);
                 }
+                self.measures = self.measure::<A>();
             }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
@@ -346,7 +356,7 @@ impl<const S: usize> InteriorPoint<S> {
             &mut multipliers.upper,
         ];
         for (family, known) in self.families().into_iter().zip(known) {
-            for (known, multiplier) in known.iter_mut().zip(&family.multiplier) {
+            for (known, multiplier) in known.iter_mut().zip(family.multipliers()) {
                 *known = multiplier * task.cost_scale;
             }
         }
@@ -356,6 +366,12 @@ impl<const S: usize> InteriorPoint<S> {
             convex_problems: 0,
         }
     }
+}
+
+/// Sum over the families.
+#[inline(always)]
+fn total(measures: &[Measure; 3], of: impl Fn(&Measure) -> f64) -> f64 {
+    measures.iter().map(of).sum()
 }
 
 /// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.

@@ -1,4 +1,5 @@
 use super::super::super::examples::{any_initial, any_moves, pendulum, tflex};
+use super::linear::Curvature;
 use super::*;
 use arm::{Instructions, Separate};
 use proptest::prelude::*;
@@ -38,7 +39,7 @@ proptest! {
         let own = Curvature { xx: form.xx, xu: form.xu, uu: form.uu };
         let (mut price, mut expected) = (square(root), square(root));
         let policy = form.policy::<Separate>(&mut expected, imposed).expect("convex");
-        prop_assert!(linear.recur::<Separate>(&own, &mut price, imposed));
+        prop_assert!(linear.recur::<Separate>(&own, &mut price, imposed.as_ref()));
         for r in 0..4 {
             prop_assert!((linear.policy.gain[r] - policy.gain[r]).abs() < 1e-12);
             for c in 0..4 {
@@ -53,9 +54,10 @@ proptest! {
     #[test]
     fn the_step_solves_the_true_problem(
         initial in any_initial(), goal in 0.2..1.3, moves in any_moves(40), price in 0.0..5e-2_f64, flexure: bool,
-        integral: bool,
+        integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
     ) {
         let mut problem = if flexure { tflex() } else { pendulum() };
+        problem.growth = growth;
         problem.weights.integral = if integral { 0.3 } else { 0.0 };
         problem.weights.thermal = 1e-5;
         let mut transcription = Transcription::new(problem, Instructions::Baseline);
@@ -90,10 +92,8 @@ fn along<const S: usize>(
         excess_weight: 1e3,
         time_limit: None,
     };
-    let mut thermal = Inequalities::new(horizon, 1e3);
-    thermal.multiplier.fill(price);
-    thermal.slope.fill(price);
-    let bounds = Inequalities::new(horizon - 1, f64::INFINITY);
+    let thermal = Inequalities::priced(horizon, price);
+    let bounds = Inequalities::priced(horizon - 1, 0.0);
     let mut rollout = Rollout::new(horizon);
     let mut lagrangian = |moves: &[f64]| {
         transcription.roll_out(moves, &mut rollout);

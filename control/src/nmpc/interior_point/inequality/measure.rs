@@ -1,0 +1,99 @@
+//! Sums over the inequalities: what convergence and merit are judged by, in one pass.
+
+use arm::{Arithmetic, Vector};
+
+use super::{Inequalities, largest};
+
+/// Groups whose slacks and excesses are multiplied before the logarithm: 16 numbers of 1e-18 do not underflow.
+const FACTORS: usize = 2;
+
+/// Sums and the like over inequalities.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Measure {
+    /// Σ of the complementarity products.
+    pub gap: f64,
+    /// Largest |r|.
+    pub residual: f64,
+    /// Σ|r|.
+    residuals: f64,
+    /// Price of all excess.
+    excess: f64,
+    /// Σ(ln s + ln t).
+    logarithms: f64,
+}
+
+impl Measure {
+    /// Barrier, price of excess and `weight` times Σ|r|.
+    pub fn merit(&self, mu: f64, weight: f64) -> f64 {
+        self.excess - mu * self.logarithms + weight * self.residuals
+    }
+}
+
+/// A product of any number of positive factors, mantissa and exponent apart.
+struct Product {
+    mantissa: f64,
+    exponent: i64,
+}
+
+impl Product {
+    /// What has no number among the factors may come out as one; the residuals tell.
+    #[inline(always)]
+    fn multiply(&mut self, factor: f64) {
+        let bits = (self.mantissa * factor).to_bits();
+        self.exponent += ((bits >> 52) & 0x7FF) as i64 - 1023;
+        self.mantissa = f64::from_bits(bits & ((1 << 52) - 1) | 1.0_f64.to_bits());
+    }
+
+    fn ln(&self) -> f64 {
+        self.mantissa.ln() + self.exponent as f64 * std::f64::consts::LN_2
+    }
+}
+
+impl Inequalities {
+    /// Takes the measures.
+    #[inline(always)]
+    pub fn measure<A: Arithmetic>(&self) -> Measure {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let elastic = self.elastic();
+        let mut product = Product {
+            mantissa: 1.0,
+            exponent: 0,
+        };
+        let (mut gap, mut residuals, mut excess) = (splat(0.0), splat(0.0), splat(0.0));
+        let mut residual = splat(0.0);
+        for groups in self.groups.chunks(FACTORS) {
+            let mut factors = splat(1.0);
+            for rows in groups {
+                let (c, open) = (vector(&rows.value), vector(&rows.open));
+                let (s, t) = (vector(&rows.slack), vector(&rows.excess));
+                let lambda = vector(&rows.multiplier);
+                let mut products = lambda * s;
+                factors = factors * s;
+                if elastic {
+                    factors = factors * t;
+                    products = (splat(self.price) - lambda).mul_add(t, products);
+                    // Of lost rows the whole of c is in excess.
+                    excess = excess + open.mul_add(t - c, c);
+                }
+                gap = products.mul_add(open, gap);
+                let r = open * (c + s - t);
+                let size = r.larger(splat(0.0) - r);
+                residuals = residuals + size;
+                residual = size.larger(residual);
+            }
+            let [a, b, c, d] = factors.lanes();
+            product.multiply((a * c) * (b * d));
+        }
+        Measure {
+            gap: gap.sum(),
+            residual: largest(residual),
+            residuals: residuals.sum(),
+            excess: if elastic {
+                self.price * excess.sum()
+            } else {
+                0.0
+            },
+            logarithms: product.ln(),
+        }
+    }
+}
