@@ -11,13 +11,14 @@
 //! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
 //!    Mehrotra's correction;
 //! 3. shortens the step until the merit
-//!    `cost/cost_scale + Σ ρ·t − μ·Σ(ln s + ln t) + η·Σ|r|` falls, η above all multipliers;
+//!    `cost/cost_scale + Σ ρ·t − μ·Σ(ln s + ln t) + Σ η·|r|` falls, η of each row above its multiplier;
 //! 4. lets the slacks take in what the true T is below its linearisation.
 //!
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
-//! all. A plan with excess that has not converged after [`RESTART`] iterations goes on with large ones.
+//! all. A plan with excess whose step is [`STALLED`], or that has not converged after [`RESTART`] iterations,
+//! goes on with large ones.
 //!
 //! # Excess that cannot be avoided
 //! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
@@ -45,8 +46,6 @@ const MAX_ITERATIONS: u32 = 60;
 const MAX_TRIALS: u32 = 8;
 /// Length of a step in units of the one that was too long.
 const SHORTER: f64 = 0.7;
-/// η in units of the largest multiplier.
-const STEEPER: f64 = 1.1;
 /// Least slack at the start, in units of the bound's size.
 const LEAST_SLACK: f64 = 1e-2;
 /// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
@@ -61,6 +60,10 @@ const RESIDUAL: f64 = 1e-8;
 const PENALTY: f64 = 3e-5;
 /// Iterations after which a plan with excess goes on with products of [`CENTRAL`].
 const RESTART: u32 = 18;
+/// Length of a step after which it does so at once.
+const STALLED: f64 = 0.01;
+/// Iterations at least between two such restarts.
+const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
 const CENTRAL: f64 = 100.0;
 /// Product of a start from scratch.
@@ -240,17 +243,11 @@ impl<const S: usize> InteriorPoint<S> {
         rollout: &mut Rollout,
     ) -> bool {
         let scale = 1.0 / task.cost_scale;
-        let weights = [
-            STEEPER * self.thermal.steepest::<A>(),
-            STEEPER * self.lower.steepest::<A>(),
-            STEEPER * self.upper.steepest::<A>(),
-        ];
         let merit = |cost: f64, measures: &[Measure; 3]| {
-            let families = measures.iter().zip(weights);
-            let merits = families.map(|(measure, weight)| measure.merit(step.mu, weight));
-            cost * scale + merits.sum::<f64>()
+            cost * scale + total(measures, |measure| measure.merit(step.mu))
         };
-        let before = merit(rollout.cost, &self.measures);
+        // η follows from the step.
+        let before = merit(rollout.cost, &self.measure::<A>());
         let tolerance = 1e-12 * before.abs();
         let (mut primal, mut taken) = (step.primal, 0.0);
         let mut after = f64::NAN;
@@ -312,22 +309,28 @@ impl<const S: usize> InteriorPoint<S> {
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
         let mut iterations = 0;
+        // When the next restart is due, and when it may be at the earliest.
+        let (mut restart, mut earliest) = (RESTART, 2);
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
             if !self.pace.allows(task.time_limit) {
                 status = SolverStatus::OutOfTime;
                 break;
             }
-            if iterations == RESTART && self.thermal.exceeded(RESIDUAL) {
+            if iterations == restart && self.thermal.exceeded(RESIDUAL) {
                 for family in self.families() {
                     family.restart(CENTRAL);
                 }
                 self.measures = self.measure::<A>();
+                (restart, earliest) = (MAX_ITERATIONS, iterations + AGAIN);
             }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
             };
             iterations += 1;
+            if step.primal.min(step.dual) < STALLED && iterations >= earliest {
+                restart = iterations;
+            }
             if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }

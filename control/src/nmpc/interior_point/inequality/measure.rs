@@ -7,6 +7,11 @@ use super::{Inequalities, largest};
 /// Groups whose slacks and excesses are multiplied before the logarithm: 16 numbers of 1e-18 do not underflow.
 const FACTORS: usize = 2;
 
+/// η in units of the larger of λ and λ + dλ.
+const STEEPER: f64 = 1.1;
+/// η, at least, in units of the largest of the family.
+const FLATTEST: f64 = 1e-4;
+
 /// Sums and the like over inequalities.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Measure {
@@ -14,7 +19,7 @@ pub struct Measure {
     pub gap: f64,
     /// Largest |r|.
     pub residual: f64,
-    /// Σ|r|.
+    /// Σ η·|r|.
     residuals: f64,
     /// Price of all excess.
     excess: f64,
@@ -23,9 +28,10 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Barrier, price of excess and `weight` times Σ|r|.
-    pub fn merit(&self, mu: f64, weight: f64) -> f64 {
-        self.excess - mu * self.logarithms + weight * self.residuals
+    /// Barrier, price of excess and Σ η·|r|, η of each row a little above its multiplier: what a row's
+    /// residual is worth, so that little is asked of those that matter little.
+    pub fn merit(&self, mu: f64) -> f64 {
+        self.excess - mu * self.logarithms + self.residuals
     }
 }
 
@@ -59,6 +65,7 @@ impl Inequalities {
             mantissa: 1.0,
             exponent: 0,
         };
+        let flattest = splat(FLATTEST * self.steepest::<A>());
         let (mut gap, mut residuals, mut excess) = (splat(0.0), splat(0.0), splat(0.0));
         let mut residual = splat(0.0);
         for groups in self.groups.chunks(FACTORS) {
@@ -78,7 +85,8 @@ impl Inequalities {
                 gap = products.mul_add(open, gap);
                 let r = open * (c + s - t);
                 let size = r.larger(splat(0.0) - r);
-                residuals = residuals + size;
+                let after = lambda + vector(&rows.multiplier_step);
+                residuals = size.mul_add(lambda.larger(after).larger(flattest), residuals);
                 residual = size.larger(residual);
             }
             let [a, b, c, d] = factors.lanes();
@@ -87,7 +95,7 @@ impl Inequalities {
         Measure {
             gap: gap.sum(),
             residual: largest(residual),
-            residuals: residuals.sum(),
+            residuals: STEEPER * residuals.sum(),
             excess: if elastic {
                 self.price * excess.sum()
             } else {
