@@ -414,6 +414,17 @@ fn a_period_too_long_for_the_feedback_is_refused() {
 /// Weights from one end of their range to the other.
 #[test]
 fn extreme_weights_give_plans_or_are_refused() {
+    // Where the interior point finds no way within the angle bounds the status says that they were widened;
+    // the general-purpose solver finds one.
+    for (solver, most) in [(Method::Riccati, 10), (Method::Automatic, 2)] {
+        let [refused, unsolved] = extreme_weights(solver);
+        assert_eq!(refused, 0);
+        assert!(unsolved <= most, "{solver:?}: {unsolved}");
+    }
+}
+
+/// How many of 60 draws of weights are refused, and how many of three plans by each of the others unsolved.
+fn extreme_weights(solver: Method) -> [u32; 2] {
     let (mut refused, mut unsolved) = (0, 0);
     let mut uniform = Uniform(11);
     for _ in 0..60 {
@@ -422,6 +433,7 @@ fn extreme_weights_give_plans_or_are_refused() {
         } else {
             pendulum()
         };
+        arm.settings.solver = solver;
         let mut weight = |low: f64, high: f64| 10_f64.powf(uniform.within(low, high));
         arm.settings.weights.angle = weight(-6.0, 6.0);
         arm.settings.weights.velocity = weight(-9.0, 3.0);
@@ -449,6 +461,5 @@ fn extreme_weights_give_plans_or_are_refused() {
             ));
         }
     }
-    assert_eq!(refused, 0);
-    assert!(unsolved <= 2, "{unsolved}");
+    [refused, unsolved]
 }
