@@ -43,9 +43,9 @@ use super::transcription::Transcription;
 /// Iterations at most.
 const MAX_ITERATIONS: u32 = 60;
 /// Step lengths tried in an iteration at most.
-const MAX_TRIALS: u32 = 8;
+const MAX_TRIALS: u32 = 4;
 /// Length of a step in units of the one that was too long.
-const SHORTER: f64 = 0.7;
+const SHORTER: f64 = 0.5;
 /// Least slack at the start, in units of the bound's size.
 const LEAST_SLACK: f64 = 1e-2;
 /// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
