@@ -361,6 +361,8 @@ fn inadmissible_settings_are_all_named() {
     arm.settings.weights.thermal = f64::NAN;
     arm.settings.angle_margin = 0.5;
     arm.settings.thermal_share = 1.1;
+    arm.settings.deadline = -1.0;
+    arm.settings.latency = 0.01;
     let Err(errors) = Planner::new(
         &arm.settings,
         &arm.arm,
@@ -376,6 +378,8 @@ fn inadmissible_settings_are_all_named() {
         [
             "nmpc.period",
             "nmpc.horizon",
+            "nmpc.deadline",
+            "nmpc.latency",
             "nmpc.weight_thermal",
             "nmpc.weight_acceleration",
             "nmpc.angle_margin",

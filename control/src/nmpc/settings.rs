@@ -270,3 +270,70 @@ impl Settings {
 fn predictable(problem: &Problem) -> bool {
     Transcription::new(*problem, Instructions::Baseline).deviation_growth() <= MAX_DEVIATION_GROWTH
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::feedback;
+    use super::super::grid::Grid;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn problem(nmpc: Settings) -> Result<Problem, Vec<Inadmissible>> {
+        let settings = crate::Settings::tflex();
+        let crate::Settings {
+            arm, motor, limits, ..
+        } = &settings;
+        nmpc.problem(arm, motor, limits, &feedback(&settings))
+    }
+
+    proptest! {
+        /// From one period to a common length, by half each at most, over the whole duration.
+        #[test]
+        fn intervals_fill_the_duration(horizon in 12..80, period in 1e-4..0.05_f64, longer in 1.0..20.0_f64) {
+            let duration = f64::min(longer, 0.07 / period) * period * f64::from(horizon);
+            let settings = Settings { horizon, period, duration, ..Settings::default() };
+            let [shortest, longest] = settings.durations();
+            prop_assume!((shortest..longest).contains(&duration));
+            let problem = problem(settings).map_err(|errors| TestCaseError::fail(errors[0].to_string()))?;
+            let grid = Grid::new(&problem);
+            prop_assert!((grid.duration() - duration).abs() <= 1e-9 * duration);
+            prop_assert!((grid.nodes()[1] - period).abs() <= 1e-12);
+            let lengths: Vec<_> = grid.nodes().windows(2).map(|node| node[1] - node[0]).collect();
+            for pair in lengths.windows(2) {
+                prop_assert!(pair[1] >= pair[0] * (1.0 - 1e-9) && pair[1] <= GROWTH * pair[0] * (1.0 + 1e-9));
+            }
+        }
+    }
+
+    #[test]
+    fn durations_that_intervals_cannot_fill_are_refused_with_the_range() {
+        for (horizon, duration) in [(40, 1.9), (40, -1.0), (40, f64::NAN), (2, 0.2), (40, 500.0)] {
+            let settings = Settings {
+                horizon,
+                duration,
+                ..Settings::default()
+            };
+            let error = problem(settings).expect_err("refused")[0].to_string();
+            assert!(
+                error.contains("nmpc.duration") && error.contains(" to "),
+                "{error}"
+            );
+        }
+        // N periods are a duration like any other.
+        let settings = Settings {
+            duration: 2.0,
+            ..Settings::default()
+        };
+        assert!(problem(settings).expect("admissible").is_even());
+        // Intervals that the feedback outruns are refused by the duration that makes them.
+        let settings = Settings {
+            duration: 40.0,
+            ..Settings::default()
+        };
+        let error = problem(settings).expect_err("refused")[0].to_string();
+        assert!(
+            error.contains("nmpc.duration") && error.contains("follow the feedback"),
+            "{error}"
+        );
+    }
+}
