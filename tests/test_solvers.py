@@ -3,8 +3,8 @@
 from fmus import SAMPLE, Loop, hot_pendulum
 
 CHOICES = {
-    "automatic": {},
-    "riccati": {"nmpc.solver": "riccati"},
+    "default": {},
+    "automatic": {"nmpc.solver": "automatic"},
     "baseline": {"nmpc.instruction_set": "baseline"},
     "clarabel": {"nmpc.solver": "clarabel"},
 }

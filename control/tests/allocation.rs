@@ -1,8 +1,11 @@
 //! After set-up a sample allocates nothing, the plan included, until the general-purpose conic solver is needed.
 
+mod common;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use common::Loop;
 use control::nmpc::{self, settings::Method};
 use control::{Controller, ReferenceSource, Settings};
 
@@ -91,5 +94,34 @@ fn plans_allocate_nothing() {
             let others = run.plans - run.iterated;
             assert!(others >= in_closed_form, "{others} in closed form");
         }
+    }
+}
+
+/// Every sequence of Table 2 in closed loop, as the paper plans and at the rate of the feedback.
+#[test]
+fn table_2_allocates_nothing() {
+    let golden = include_str!("golden/setpoint_tracking_pendulum.json");
+    let golden: serde_json::Value = serde_json::from_str(golden).unwrap();
+    let mut fast = Settings::pendulum();
+    (fast.nmpc.period, fast.nmpc.duration) = (fast.sample_period, 2.0);
+    for (settings, runs) in [(Settings::pendulum(), 8), (fast, 1)] {
+        let (mut plans, mut iterated) = (0, 0);
+        for run in golden["runs"].as_array().unwrap().iter().take(runs) {
+            let samples = (run["interval_s"].as_f64().unwrap() / settings.sample_period) as u32;
+            let mut closed_loop = Loop::pendulum(&settings);
+            for setpoint in run["setpoints_rad"].as_array().unwrap() {
+                let setpoint = setpoint.as_f64().unwrap();
+                for _ in 0..samples {
+                    let before = ALLOCATIONS.get();
+                    let command = closed_loop.step(setpoint, 0.0);
+                    assert_eq!(ALLOCATIONS.get(), before);
+                    plans += u32::from(command.new_plan);
+                    iterated +=
+                        u32::from(command.new_plan && closed_loop.controller.plan().iterations > 0);
+                }
+            }
+        }
+        eprintln!("{plans} plans, {iterated} of them iterated");
+        assert!(iterated > 100, "{iterated}");
     }
 }

@@ -17,7 +17,8 @@ pub enum PlanStatus {
     Solved = 1,
     /// Solved for the admissible rest point nearest to the setpoint.
     GoalProjected = 2,
-    /// Solved, but the thermal limit could not be kept: the least excess was planned.
+    /// The thermal limit could not be kept: the least excess was planned, or nearly the least where the
+    /// solver was stopped.
     ThermalSlack = 3,
     /// Admissible, but the solver was stopped before it converged.
     IterationLimit = 4,
