@@ -1,16 +1,16 @@
 //! One sample of the controller: a measured angle and a setpoint in, a motor torque out.
 
 use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal};
-use serde::{Deserialize, Serialize};
 
 use crate::feedback::{self, Feedback};
 use crate::latency::Prediction;
-use crate::nmpc::plan::{Plan, PlanStatus, PlannerState};
+use crate::nmpc::plan::{Plan, PlanStatus};
 use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
 use crate::nmpc::settings;
 use crate::nmpc::solver::Clock;
 use crate::profile::{self, Profile};
+use crate::state::{Command, Pending, State};
 use crate::{Reference, feedforward};
 
 /// Angles beyond this \[rad\] are as good as not a number: no arm turns 10⁵ times.
@@ -51,74 +51,6 @@ pub struct Settings {
     pub nmpc: settings::Settings,
     /// The feedback.
     pub feedback: feedback::Settings,
-}
-
-/// Result of one sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Command {
-    /// Torque asked of the motor, within its peak \[N·m\].
-    pub torque: f64,
-    /// Current that gives the torque \[A\].
-    pub current: f64,
-    /// Reference of this sample.
-    pub reference: Reference,
-    /// Part of the torque from feedforward and computed torque \[N·m\].
-    pub feedforward_torque: f64,
-    /// Part of the torque from the feedback \[N·m\].
-    pub feedback_torque: f64,
-    /// Thermal load at this sample, reckoned from the torques so far \[A²\].
-    pub thermal_load: f64,
-    /// How the plan in use came to be.
-    pub plan_status: PlanStatus,
-    /// Whether a plan was made at this sample; it applies once its latency has gone by.
-    pub new_plan: bool,
-    /// Whether an input was not usable: the last good command, or the last good setpoint, is held.
-    pub measurement_held: bool,
-}
-
-/// A plan that is made but not yet applied.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Pending {
-    /// Number of the sample from which it applies.
-    sample: u64,
-    /// Its first move \[rad/s²\].
-    acceleration: f64,
-    /// Its rest point \[rad\].
-    goal: f64,
-    status: PlanStatus,
-}
-
-/// Everything that changes while a controller runs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// Samples taken.
-    samples: u64,
-    /// Samples taken up to and including the last usable measurement; 0 before the first.
-    measured: u64,
-    /// Last usable measured angle \[rad\].
-    angle: f64,
-    /// Last usable setpoint \[rad\].
-    setpoint: Option<f64>,
-    /// Number of the plan period with which the next plan is due.
-    next_plan: u64,
-    /// The plan that waits for its latency to go by.
-    pending: Option<Pending>,
-    /// How the plan in force came to be.
-    plan_status: PlanStatus,
-    /// Reference of the next sample, with the move in force.
-    reference: Reference,
-    /// Rest point of the plan in force, or the setpoint \[rad\].
-    goal: f64,
-    /// e, integral of the distance to the goal \[rad·s\] (eq 22).
-    integral: f64,
-    /// z of the Dahl hysteresis (eq 13).
-    hysteresis: f64,
-    /// T \[A²\] (eq 20).
-    thermal_load: f64,
-    feedback: feedback::State,
-    profile: profile::State,
-    planner: PlannerState,
-    command: Command,
 }
 
 /// The controller of sec 3.2.
@@ -181,24 +113,7 @@ impl Controller {
         let latency = latency.min(samples_per_plan.floor());
         let prediction = (latency > 0.0 && nmpc.models_latency)
             .then(|| Prediction::new(arm, motor, &model, latency * sample_period));
-        let state = State {
-            samples: 0,
-            measured: 0,
-            angle: 0.0,
-            setpoint: None,
-            next_plan: 0,
-            pending: None,
-            plan_status: PlanStatus::Idle,
-            reference: Reference::default(),
-            goal: 0.0,
-            integral: 0.0,
-            hysteresis: 0.0,
-            thermal_load: *initial_thermal_load,
-            feedback: feedback::State::default(),
-            profile: profile::State::default(),
-            planner: planner.state().clone(),
-            command: Command::default(),
-        };
+        let state = State::new(*initial_thermal_load, planner.state());
         Ok(Self {
             arm: *arm,
             motor: *motor,

@@ -22,8 +22,8 @@ pub mod profile;
 mod reference;
 pub mod riccati;
 mod sets;
+mod state;
 
-pub use controller::{
-    Command, Controller, LARGEST_ANGLE, ReferenceSource, Settings, State, usable,
-};
+pub use controller::{Controller, LARGEST_ANGLE, ReferenceSource, Settings, usable};
 pub use reference::Reference;
+pub use state::{Command, State};

@@ -13,8 +13,13 @@
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
+mod angle_bounds;
+mod braking;
+
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
+use self::angle_bounds::{bound_angle, widen};
+use self::braking::brake;
 use super::conic::Conic;
 use super::grid::Grid;
 use super::interior_point;
@@ -306,7 +311,9 @@ impl Planner {
 
     fn run_solver(&mut self, index: usize) -> SolverStatus {
         let plan = &mut self.plan;
-        let time_limit = time_limit(self.clock.as_deref(), self.deadline, self.end);
+        let (clock, end) = (self.clock.as_deref(), self.end);
+        let clock = clock.filter(|_| self.deadline > 0.0);
+        let time_limit = clock.map(|clock| TimeLimit { clock, end });
         let task = Task {
             time_limit,
             ..task(&self.transcription, &self.angle_bounds, self.cost_scale)
@@ -389,53 +396,6 @@ fn task<'a>(
         excess_weight: EXCESS_WEIGHT,
         time_limit: None,
     }
-}
-
-/// When a plan must be ready, if there is a clock and a deadline.
-fn time_limit(clock: Option<&dyn Clock>, deadline: f64, end: f64) -> Option<TimeLimit<'_>> {
-    let clock = clock.filter(|_| deadline > 0.0)?;
-    Some(TimeLimit { clock, end })
-}
-
-/// Bounds of θr at the nodes 1..N−1 (eq 25). A start outside may return as slowly as the optimum without
-/// inequalities does; once that is inside, the bounds hold.
-fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) {
-    let (lower, upper) = (problem.angle_lower, problem.angle_upper);
-    let start = unbounded.reference_angle[0];
-    let (mut below, mut above) = (start < lower, start > upper);
-    for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
-        below &= angle < lower;
-        above &= angle > upper;
-        *bound = [
-            if below { angle } else { lower },
-            if above { angle } else { upper },
-        ];
-    }
-}
-
-/// Widens the bounds so that `trajectory` keeps them.
-fn widen(bounds: &mut [[f64; 2]], trajectory: &Rollout) {
-    for ([lower, upper], &angle) in bounds.iter_mut().zip(&trajectory.reference_angle[1..]) {
-        (*lower, *upper) = (lower.min(angle), upper.max(angle));
-    }
-}
-
-/// Brakes the reference to rest, evenly and no faster than the angle bound ahead demands.
-fn brake(problem: &Problem, nodes: &[f64], initial: &Initial, moves: &mut [f64]) {
-    let (angle, velocity) = (initial.reference_angle, initial.reference_velocity);
-    moves.fill(0.0);
-    if !velocity.is_finite() || velocity == 0.0 {
-        return;
-    }
-    let room = if velocity > 0.0 {
-        problem.angle_upper - angle
-    } else {
-        angle - problem.angle_lower
-    };
-    let longest = 2.0 * room / velocity.abs();
-    let intervals = nodes[1..].iter().take_while(|&&time| time <= longest);
-    let intervals = intervals.count().max(1);
-    moves[..intervals].fill(-velocity / nodes[intervals]);
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
-//! all. A plan with excess whose step is [`STALLED`], or that has not converged after [`RESTART`] iterations,
+//! all. A plan with excess whose step is `STALLED`, or that has not converged after `RESTART` iterations,
 //! goes on with large ones.
 //!
 //! # Excess that cannot be avoided
@@ -31,6 +31,7 @@
 
 mod inequality;
 mod newton;
+mod start;
 
 use arm::{Arithmetic, Kernel, Vector};
 
@@ -46,8 +47,6 @@ const MAX_ITERATIONS: u32 = 60;
 const MAX_TRIALS: u32 = 4;
 /// Length of a step in units of the one that was too long.
 const SHORTER: f64 = 0.5;
-/// Least slack at the start, in units of the bound's size.
-const LEAST_SLACK: f64 = 1e-2;
 /// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
 const UNFINISHED: f64 = 0.3;
 /// Sum of the products at the end, in units of the larger of cost and its scale.
@@ -66,10 +65,6 @@ const STALLED: f64 = 0.01;
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
 const CENTRAL: f64 = 100.0;
-/// Product of a start from scratch.
-const COLD: f64 = 1e-2;
-/// Product of a start from the previous plan.
-const WARM: f64 = 3e-4;
 
 /// The interior point solver for `S` states.
 struct InteriorPoint<const S: usize> {
@@ -116,17 +111,6 @@ impl<const S: usize> InteriorPoint<S> {
         self.upper.evaluate::<A>(angles);
     }
 
-    /// Number of nodes after the first where T exceeds its limit even without any heat.
-    fn lost(&self, transcription: &Transcription) -> usize {
-        let mut load = transcription.initial().thermal_load;
-        let cooled = (0..self.thermal.len()).take_while(|&k| {
-            let interval = transcription.interval(k);
-            load *= interval.thermal.decay();
-            load > interval.thermal_limit
-        });
-        cooled.count()
-    }
-
     #[inline(always)]
     fn families(&mut self) -> [&mut Inequalities; 3] {
         [&mut self.thermal, &mut self.lower, &mut self.upper]
@@ -153,45 +137,6 @@ impl<const S: usize> InteriorPoint<S> {
         self.lower.step::<A>(aim, angle, &mut rates);
         self.upper.step::<A>(aim, angle, &mut rates);
         [length(rates[0]), length(rates[1])]
-    }
-
-    /// Rolls the guess out, led to rest, and places slacks and multipliers.
-    #[inline(always)]
-    fn start<A: Arithmetic>(
-        &mut self,
-        task: &Task<'_>,
-        moves: &mut [f64],
-        rollout: &mut Rollout,
-        multipliers: &Multipliers,
-    ) {
-        let transcription = task.transcription;
-        let problem = transcription.problem();
-        let limit = problem.thermal_limit.unwrap_or(0.0);
-        let limits = (0..problem.horizon).map(|k| transcription.interval(k).thermal_limit);
-        self.thermal.set_bounds(limits);
-        let bounds = task.angle_bounds.iter();
-        self.lower
-            .set_bounds(bounds.clone().map(|bounds| bounds[0]));
-        self.upper.set_bounds(bounds.map(|bounds| bounds[1]));
-        transcription.end_at_rest(moves);
-        transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
-        self.evaluate_trial::<A>();
-        std::mem::swap(rollout, &mut self.trial_rollout);
-        self.thermal.price = task.excess_weight;
-        self.thermal.lost = self.lost(transcription);
-        let range = problem.angle_upper - problem.angle_lower;
-        let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
-        let leasts = [least(limit), least(range), least(range)];
-        let known = multipliers.known;
-        let mu = if known { WARM } else { COLD };
-        let scaled = |guess: &f64| {
-            if known { guess / task.cost_scale } else { 0.0 }
-        };
-        let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
-        for ((family, least), guesses) in self.families().into_iter().zip(leasts).zip(guesses) {
-            family.start(mu, least, guesses.iter().map(scaled));
-        }
-        self.measures = self.measure::<A>();
     }
 
     /// The predictor's and the corrector's step; none if there is no minimum.

@@ -1,0 +1,27 @@
+//! The angle bounds of one plan (eq 25), wider where the start demands it.
+
+use super::super::problem::Problem;
+use super::super::rollout::Rollout;
+
+/// Bounds of θr at the nodes 1..N−1 (eq 25). A start outside may return as slowly as the optimum without
+/// inequalities does; once that is inside, the bounds hold.
+pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) {
+    let (lower, upper) = (problem.angle_lower, problem.angle_upper);
+    let start = unbounded.reference_angle[0];
+    let (mut below, mut above) = (start < lower, start > upper);
+    for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
+        below &= angle < lower;
+        above &= angle > upper;
+        *bound = [
+            if below { angle } else { lower },
+            if above { angle } else { upper },
+        ];
+    }
+}
+
+/// Widens the bounds so that `trajectory` keeps them.
+pub fn widen(bounds: &mut [[f64; 2]], trajectory: &Rollout) {
+    for ([lower, upper], &angle) in bounds.iter_mut().zip(&trajectory.reference_angle[1..]) {
+        (*lower, *upper) = (lower.min(angle), upper.max(angle));
+    }
+}

@@ -1,0 +1,98 @@
+//! What a controller gives at a sample, and what it remembers from one to the next.
+
+use serde::{Deserialize, Serialize};
+
+use crate::nmpc::plan::{PlanStatus, PlannerState};
+use crate::{Reference, feedback, profile};
+
+/// Result of one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// Torque asked of the motor, within its peak \[N·m\].
+    pub torque: f64,
+    /// Current that gives the torque \[A\].
+    pub current: f64,
+    /// Reference of this sample.
+    pub reference: Reference,
+    /// Part of the torque from feedforward and computed torque \[N·m\].
+    pub feedforward_torque: f64,
+    /// Part of the torque from the feedback \[N·m\].
+    pub feedback_torque: f64,
+    /// Thermal load at this sample, reckoned from the torques so far \[A²\].
+    pub thermal_load: f64,
+    /// How the plan in use came to be.
+    pub plan_status: PlanStatus,
+    /// Whether a plan was made at this sample; it applies once its latency has gone by.
+    pub new_plan: bool,
+    /// Whether an input was not usable: the last good command, or the last good setpoint, is held.
+    pub measurement_held: bool,
+}
+
+/// A plan that is made but not yet applied.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Pending {
+    /// Number of the sample from which it applies.
+    pub(crate) sample: u64,
+    /// Its first move \[rad/s²\].
+    pub(crate) acceleration: f64,
+    /// Its rest point \[rad\].
+    pub(crate) goal: f64,
+    pub(crate) status: PlanStatus,
+}
+
+/// Everything that changes while a controller runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Samples taken.
+    pub(crate) samples: u64,
+    /// Samples taken up to and including the last usable measurement; 0 before the first.
+    pub(crate) measured: u64,
+    /// Last usable measured angle \[rad\].
+    pub(crate) angle: f64,
+    /// Last usable setpoint \[rad\].
+    pub(crate) setpoint: Option<f64>,
+    /// Number of the plan period with which the next plan is due.
+    pub(crate) next_plan: u64,
+    /// The plan that waits for its latency to go by.
+    pub(crate) pending: Option<Pending>,
+    /// How the plan in force came to be.
+    pub(crate) plan_status: PlanStatus,
+    /// Reference of the next sample, with the move in force.
+    pub(crate) reference: Reference,
+    /// Rest point of the plan in force, or the setpoint \[rad\].
+    pub(crate) goal: f64,
+    /// e, integral of the distance to the goal \[rad·s\] (eq 22).
+    pub(crate) integral: f64,
+    /// z of the Dahl hysteresis (eq 13).
+    pub(crate) hysteresis: f64,
+    /// T \[A²\] (eq 20).
+    pub(crate) thermal_load: f64,
+    pub(crate) feedback: feedback::State,
+    pub(crate) profile: profile::State,
+    pub(crate) planner: PlannerState,
+    pub(crate) command: Command,
+}
+
+impl State {
+    /// Before the first sample.
+    pub(crate) fn new(thermal_load: f64, planner: &PlannerState) -> Self {
+        Self {
+            samples: 0,
+            measured: 0,
+            angle: 0.0,
+            setpoint: None,
+            next_plan: 0,
+            pending: None,
+            plan_status: PlanStatus::Idle,
+            reference: Reference::default(),
+            goal: 0.0,
+            integral: 0.0,
+            hysteresis: 0.0,
+            thermal_load,
+            feedback: feedback::State::default(),
+            profile: profile::State::default(),
+            planner: planner.clone(),
+            command: Command::default(),
+        }
+    }
+}
