@@ -112,7 +112,7 @@ impl Controller {
         let latency = whole_if_close(nmpc.latency / sample_period).ceil();
         let latency = latency.min(samples_per_plan.floor());
         let prediction = (latency > 0.0 && nmpc.models_latency)
-            .then(|| Prediction::new(arm, motor, &model, latency * sample_period));
+            .then(|| Prediction::new(arm, motor, &model, latency as usize, *sample_period));
         let state = State::new(*initial_thermal_load, planner.state());
         Ok(Self {
             arm: *arm,
@@ -304,7 +304,9 @@ impl Controller {
         });
         // Not by a derived clone_from, which allocates.
         state.planner.clone_from(self.planner.state());
-        state.next_plan = (state.samples as f64 / self.samples_per_plan) as u64 + 1;
+        // Not before the next period, whichever way the quotient rounds.
+        let period = (state.samples as f64 / self.samples_per_plan) as u64;
+        state.next_plan = period.max(state.next_plan) + 1;
     }
 }
 

@@ -164,12 +164,12 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
         PlanStatus::IterationLimit => log.write(
             Severity::Info,
             EVENTS,
-            format_args!("at {time} s the planner stopped before it converged; the plan is admissible"),
+            format_args!("at {time} s the planner stopped before it converged; its best plan is taken"),
         ),
         PlanStatus::Deadline => log.write(
             Severity::Info,
             EVENTS,
-            format_args!("at {time} s the deadline came before the planner converged; the plan is admissible"),
+            format_args!("at {time} s the deadline came before the planner converged; its best plan is taken"),
         ),
         PlanStatus::ShiftedPlan => log.write(
             Severity::Warning,

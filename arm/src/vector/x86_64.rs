@@ -161,8 +161,9 @@ impl Vector for Wide {
 impl Vector for Pair {
     #[inline(always)]
     fn new(lanes: &[f64; LANES]) -> Self {
-        // SAFETY: see `Pair`; the pointers are to two numbers each.
-        Self(unsafe { [_mm_loadu_pd(&lanes[0]), _mm_loadu_pd(&lanes[2])] })
+        let lanes = lanes.as_ptr();
+        // SAFETY: see `Pair`; the pointers are to two of four numbers each.
+        Self(unsafe { [_mm_loadu_pd(lanes), _mm_loadu_pd(lanes.add(2))] })
     }
 
     #[inline(always)]

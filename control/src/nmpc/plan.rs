@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::grid::Grid;
 use super::rollout::Rollout;
 use super::solver::Multipliers;
 use crate::Reference;
@@ -17,10 +18,9 @@ pub enum PlanStatus {
     Solved = 1,
     /// Solved for the admissible rest point nearest to the setpoint.
     GoalProjected = 2,
-    /// The thermal limit could not be kept: the least excess was planned, or nearly the least where the
-    /// solver was stopped.
+    /// Solved, but the thermal limit could not be kept: the least excess was planned.
     ThermalSlack = 3,
-    /// Admissible, but the solver was stopped before it converged.
+    /// The solver was stopped before it converged: the plan is admissible, or of nearly the least excess.
     IterationLimit = 4,
     /// No new plan was found: the previous plan, shifted.
     ShiftedPlan = 5,
@@ -28,9 +28,9 @@ pub enum PlanStatus {
     Rest = 6,
     /// A measurement was not a number: the last good command is held.
     MeasurementHeld = 7,
-    /// Solved, but start and terminal rest left no way within the angle bounds: they were widened.
+    /// Start and terminal rest left no way within the angle bounds: they were widened.
     AngleSlack = 8,
-    /// Admissible, but the deadline came before the solver converged.
+    /// The deadline came before the solver converged: the plan is admissible, or of nearly the least excess.
     Deadline = 9,
 }
 
@@ -67,6 +67,21 @@ pub struct Instant {
 }
 
 impl Plan {
+    /// No plan yet, on `grid`.
+    pub fn new(grid: &Grid) -> Self {
+        let time = grid.nodes().to_vec();
+        let horizon = time.len() - 1;
+        Self {
+            status: PlanStatus::Idle,
+            iterations: 0,
+            convex_problems: 0,
+            goal: 0.0,
+            time,
+            moves: vec![0.0; horizon],
+            trajectory: Rollout::new(horizon),
+        }
+    }
+
     /// The plan at `position` = 0..N, counted in shooting intervals from its start. The reference is exact
     /// between nodes, u being constant there; angle and thermal load are linear. O(1).
     pub fn at(&self, position: f64) -> Instant {
@@ -104,6 +119,17 @@ pub struct PlannerState {
     pub age: Option<u32>,
     /// Multipliers of the latest plan.
     pub multipliers: Multipliers,
+}
+
+impl PlannerState {
+    /// Before the first plan of `horizon` intervals.
+    pub fn new(horizon: usize) -> Self {
+        Self {
+            moves: vec![0.0; horizon],
+            age: None,
+            multipliers: Multipliers::new(horizon),
+        }
+    }
 }
 
 impl Clone for PlannerState {

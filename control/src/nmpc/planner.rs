@@ -9,7 +9,7 @@
 //!    the reference is braked to rest.
 //!
 //! With a clock ([`Planner::set_clock`]) the solvers stop before the deadline; the best of their iterates is
-//! then the plan if it keeps the limits, and step 4 follows otherwise.
+//! then the plan if it keeps the limits, or exceeds the thermal one little more than step 4 would.
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 
@@ -116,20 +116,8 @@ impl Planner {
             least_scale,
             cost_scale: least_scale,
             angle_bounds: vec![[0.0; 2]; horizon - 1],
-            state: PlannerState {
-                moves: vec![0.0; horizon],
-                age: None,
-                multipliers: Multipliers::new(horizon),
-            },
-            plan: Plan {
-                status: PlanStatus::Idle,
-                iterations: 0,
-                convex_problems: 0,
-                goal: 0.0,
-                time: grid.nodes().to_vec(),
-                moves: vec![0.0; horizon],
-                trajectory: Rollout::new(horizon),
-            },
+            state: PlannerState::new(horizon),
+            plan: Plan::new(&grid),
             shifted: Rollout::new(horizon),
             guess: vec![0.0; horizon],
             guess_trajectory: Rollout::new(horizon),
@@ -239,8 +227,11 @@ impl Planner {
         if !trajectory.is_finite() || moves.iter().any(|u| !u.is_finite()) {
             return None;
         }
-        let over = trajectory.excess > THERMAL_TOLERANCE;
         let problem = self.transcription.problem();
+        // The limit itself, not what is kept back of it on long intervals.
+        let limit = problem.thermal_limit.unwrap_or(f64::INFINITY);
+        let mut loads = trajectory.thermal_load[1..].iter();
+        let over = loads.any(|load| load - limit > THERMAL_TOLERANCE);
         let (lowest, highest) = (problem.angle_lower, problem.angle_upper);
         let widened = self
             .angle_bounds
@@ -252,13 +243,14 @@ impl Planner {
             SolverStatus::Solved if self.plan.goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
             SolverStatus::Infeasible => None,
+            _ if self.task().admits(trajectory) && widened => Some(PlanStatus::AngleSlack),
             _ if self.task().admits(trajectory) => stopped,
             // Excess is near its least long before the sequence settles; it is taken unless going on as
             // before, or braking, exceeds the limit by less.
             _ if self.task().angle_excess(trajectory) <= ANGLE_TOLERANCE
                 && trajectory.total_excess <= NEARLY_LEAST * self.shifted.total_excess =>
             {
-                Some(PlanStatus::ThermalSlack)
+                stopped
             }
             _ => None,
         }
@@ -294,15 +286,19 @@ impl Planner {
             .solve(&self.transcription, moves, trajectory);
         widen(&mut self.angle_bounds, trajectory);
         self.state.multipliers.known = false;
-        self.run_until_solved()
+        match self.run_until_solved() {
+            // Unfinished plans are not worth leaving the bounds for when there was no time to try within.
+            SolverStatus::OutOfTime => SolverStatus::Infeasible,
+            status => status,
+        }
     }
 
-    /// Solver after solver until one converges; the last one's status.
+    /// Solver after solver until one converges or the time is up; the last one's status.
     fn run_until_solved(&mut self) -> SolverStatus {
         let mut status = SolverStatus::Solved;
         for index in 0..self.solvers.len() {
             status = self.run_solver(index);
-            if status == SolverStatus::Solved {
+            if matches!(status, SolverStatus::Solved | SolverStatus::OutOfTime) {
                 break;
             }
         }

@@ -174,21 +174,23 @@ impl Settings {
         [horizon, growing].map(|intervals| intervals * self.period)
     }
 
+    /// Duration of intervals that grow to a length of `longest` \[s\].
+    fn filled(&self, longest: f64) -> f64 {
+        let lengths = std::iter::successors(Some(self.period), |h| Some(h * GROWTH));
+        let lengths = lengths.take(usize::try_from(self.horizon).unwrap_or_default());
+        lengths.map(|h| h.min(longest)).sum()
+    }
+
     /// Length of the longest shooting interval \[s\]: the one with which the intervals fill the duration.
     fn longest_interval(&self) -> f64 {
         let [shortest, _] = self.durations();
         if self.duration <= shortest {
             return self.period;
         }
-        let duration = |longest: f64| -> f64 {
-            let lengths = std::iter::successors(Some(self.period), |h| Some(h * GROWTH));
-            let lengths = lengths.take(usize::try_from(self.horizon).unwrap_or_default());
-            lengths.map(|h| h.min(longest)).sum()
-        };
         let mut within = [self.period, self.duration];
         for _ in 0..60 {
             let middle = 0.5 * (within[0] + within[1]);
-            within[usize::from(duration(middle) > self.duration)] = middle;
+            within[usize::from(self.filled(middle) > self.duration)] = middle;
         }
         within[0]
     }
@@ -204,7 +206,7 @@ impl Settings {
                 value: self.duration,
                 admissible: format!(
                     "0, or nmpc.horizon*nmpc.period = {least} to {:.4}",
-                    most.min(f64::from(self.horizon) * longest)
+                    most.min(self.filled(longest))
                 ),
                 unit: "s",
             });
@@ -216,11 +218,14 @@ impl Settings {
         let weights = &self.weights;
         // Above the thermal time constant an RK4 step of eq 20 loses its positive weights.
         let longest = f64::min(10.0, motor.thermal_time_constant);
+        let before = errors.len();
         require(errors, "nmpc.period", self.period, [1e-6, longest], "s");
         let horizon = f64::from(self.horizon);
         require(errors, "nmpc.horizon", horizon, [2.0, 400.0], "1");
+        if errors.len() == before {
+            self.validate_duration(longest, errors);
+        }
         require(errors, "nmpc.deadline", self.deadline, [0.0, 10.0], "s");
-        self.validate_duration(longest, errors);
         let latest = self.period.max(0.0);
         require(errors, "nmpc.latency", self.latency, [0.0, latest], "s");
         require(errors, "nmpc.weight_angle", weights.angle, WEIGHT, "1");

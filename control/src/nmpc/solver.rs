@@ -36,31 +36,20 @@ pub struct TimeLimit<'a> {
 }
 
 /// How long the iterations of a solver take.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
-    /// Shortest iteration so far \[s\]: what the first one of a plan is expected to take at least. One that
-    /// was once interrupted does not count for ever.
-    shortest: f64,
+    /// What the first iteration of a plan is expected to take: the shortest so far \[s\].
+    shortest: Option<f64>,
     /// Longest iteration of the plan at hand \[s\].
-    longest: f64,
+    longest: Option<f64>,
     /// When the iteration under way began \[s\].
     begin: Option<f64>,
-}
-
-impl Default for Pace {
-    fn default() -> Self {
-        Self {
-            shortest: f64::INFINITY,
-            longest: 0.0,
-            begin: None,
-        }
-    }
 }
 
 impl Pace {
     /// A plan begins.
     pub fn restart(&mut self) {
-        (self.longest, self.begin) = (0.0, None);
+        (self.longest, self.begin) = (None, None);
     }
 
     /// Whether the limit allows another iteration, to be asked before each. Without a limit it does.
@@ -70,18 +59,18 @@ impl Pace {
         };
         let now = clock.now();
         if let Some(begin) = self.begin {
-            self.longest = self.longest.max(now - begin);
-            self.shortest = self.shortest.min(now - begin);
+            let taken = now - begin;
+            self.longest = Some(self.longest.map_or(taken, |longest| longest.max(taken)));
+            self.shortest = Some(self.shortest.map_or(taken, |shortest| shortest.min(taken)));
         }
         self.begin = Some(now);
-        let expected = if self.longest > 0.0 {
-            self.longest
-        } else if self.shortest.is_finite() {
-            self.shortest
-        } else {
-            0.0
-        };
-        now + expected < end
+        let expected = self.longest.or(self.shortest).unwrap_or(0.0);
+        let allowed = now + expected < end;
+        if !allowed && self.longest.is_none() {
+            // Or a first iteration that was interrupted for longer than the deadline would forbid all others.
+            self.shortest = self.shortest.map(|shortest| 0.5 * shortest);
+        }
+        allowed
     }
 }
 
@@ -211,8 +200,8 @@ pub struct Outcome {
 
 /// Something that solves tasks of one problem.
 ///
-/// The answer depends on the problem's parameters, the task and the guess alone, never on earlier tasks:
-/// a solver rebuilt from the parameters answers bit by bit the same.
+/// Without a time limit the answer depends on the problem's parameters, the task and the guess alone, never
+/// on earlier tasks: a solver rebuilt from the parameters answers bit by bit the same.
 pub trait Solver {
     /// Improves `moves` \[N\], given `rollout` of them, and leaves the best moves with their rollout.
     /// The guess may violate any limit, and its end need not be at rest. Multipliers may be those of

@@ -31,6 +31,7 @@ const TO_BOUNDARY: f64 = 0.995;
 const BELOW_PRICE: f64 = 0.9;
 /// Largest multiplier at the start where there is no price.
 const STEEPEST_START: f64 = 1e12;
+
 /// The largest lane.
 #[inline(always)]
 pub fn largest<V: Vector>(of: V) -> f64 {
@@ -39,7 +40,7 @@ pub fn largest<V: Vector>(of: V) -> f64 {
     larger(larger(a, b), larger(c, d))
 }
 
-/// Largest steps, at most 1, that keep positive what approaches its boundary at `rates` in a whole step.
+/// Largest step, at most 1, that keep positive what approaches its boundary at `rates` in a whole step.
 #[inline(always)]
 pub fn length<V: Vector>(rates: V) -> f64 {
     (TO_BOUNDARY / largest(rates)).min(1.0)

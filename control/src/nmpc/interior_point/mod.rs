@@ -254,28 +254,26 @@ impl<const S: usize> InteriorPoint<S> {
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
         let mut iterations = 0;
-        // When the next restart is due, and when it may be at the earliest.
-        let (mut restart, mut earliest) = (RESTART, 2);
+        // When a restart is due without a stall, and when one may be at the earliest.
+        let (mut due, mut earliest, mut stalled) = (RESTART, 2, false);
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
             if !self.pace.allows(task.time_limit) {
                 status = SolverStatus::OutOfTime;
                 break;
             }
-            if iterations == restart && self.thermal.exceeded(RESIDUAL) {
+            if (stalled || iterations == due) && self.thermal.exceeded(RESIDUAL) {
                 for family in self.families() {
                     family.restart(CENTRAL);
                 }
                 self.measures = self.measure::<A>();
-                (restart, earliest) = (MAX_ITERATIONS, iterations + AGAIN);
+                (due, earliest) = (MAX_ITERATIONS, iterations + AGAIN);
             }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
             };
             iterations += 1;
-            if step.primal.min(step.dual) < STALLED && iterations >= earliest {
-                restart = iterations;
-            }
+            stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
             if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }
@@ -293,7 +291,7 @@ impl<const S: usize> InteriorPoint<S> {
             moves.copy_from_slice(&self.best);
             task.transcription.roll_out_with::<A>(moves, rollout);
         }
-        if task.angle_excess(rollout) > ANGLE_TOLERANCE {
+        if status != SolverStatus::OutOfTime && task.angle_excess(rollout) > ANGLE_TOLERANCE {
             status = SolverStatus::Infeasible;
         }
         // Multipliers of an unfinished plan would lead the next one astray.

@@ -1,4 +1,6 @@
 use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::super::examples::feedback;
 use super::super::solver::Outcome;
@@ -232,6 +234,61 @@ fn a_growing_grid_falls_back_to_rest_too() {
     assert!(initial.reference_velocity.abs() < 1e-9);
     assert!((initial.angle - 1.2).abs() < 1e-3, "{}", initial.angle);
     assert_eq!(planner.plan(&initial, 0.3).status, PlanStatus::Rest);
+}
+
+/// A clock that stands still until it is told otherwise.
+#[derive(Clone, Default)]
+struct Hanging(Arc<AtomicU64>);
+
+impl Clock for Hanging {
+    /// 5 µs an iteration, but the first ever takes 20 ms.
+    fn now(&self) -> f64 {
+        let looks = self.0.fetch_add(1, Ordering::Relaxed);
+        5e-6 * looks as f64 + if looks > 1 { 0.02 } else { 0.0 }
+    }
+}
+
+#[test]
+fn one_slow_iteration_does_not_forbid_all_others() {
+    let mut planner = planner_of(crate::Settings::pendulum().nmpc);
+    planner.set_clock(Box::new(Hanging::default()));
+    planner.deadline = 0.01;
+    let mut solved = 0;
+    for _ in 0..50 {
+        planner.set_state(&PlannerState::default());
+        solved += u32::from(planner.plan(&starved(), 1.2).status == PlanStatus::Solved);
+    }
+    assert!(solved >= 45, "{solved}");
+}
+
+/// Where there was no time to find a way within the angle bounds, none beyond them is taken.
+#[test]
+fn no_plan_leaves_the_bounds_for_lack_of_time() {
+    let problem = *planner().problem();
+    let (lower, upper) = (problem.angle_lower, problem.angle_upper);
+    let initial = Initial {
+        angle: 1.5,
+        reference_angle: 1.5,
+        velocity: 1.2,
+        reference_velocity: 1.2,
+        thermal_load: 2.0,
+        ..Initial::default()
+    };
+    for deadline in 1..20 {
+        let mut planner = planner();
+        planner.set_clock(Box::new(Ticking::default()));
+        planner.deadline = f64::from(deadline);
+        let plan = planner.plan(&initial, 1.5);
+        let angles = &plan.trajectory.reference_angle;
+        let inside = angles
+            .iter()
+            .all(|angle| (lower - 1e-6..=upper + 1e-6).contains(angle));
+        assert!(
+            inside || plan.status == PlanStatus::Rest,
+            "{deadline}: {:?}",
+            plan.status
+        );
+    }
 }
 
 #[test]
