@@ -29,7 +29,7 @@ use super::rest::RestPoints;
 use super::rollout::Rollout;
 use super::settings::{Method, Settings};
 use super::solver::{
-    ANGLE_TOLERANCE, Clock, Multipliers, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit,
+    ANGLE_TOLERANCE, Clock, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit,
 };
 use super::spline;
 use super::transcription::Transcription;

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::super::examples::feedback;
-use super::super::solver::Outcome;
+use super::super::solver::{Multipliers, Outcome};
 use super::*;
 
 /// A solver that finds nothing, or stops too early.
