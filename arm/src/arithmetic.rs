@@ -73,11 +73,7 @@ pub enum Instructions {
 impl Instructions {
     /// The best that this machine has.
     pub fn best() -> Self {
-        if has_fused() {
-            Self::Fused
-        } else {
-            Self::Baseline
-        }
+        Self::Fused.available()
     }
 
     /// What [`Self::run`] uses for these on this machine.

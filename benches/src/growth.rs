@@ -11,10 +11,11 @@ use control::nmpc::planner::Planner;
 use control::nmpc::problem::Initial;
 
 use crate::Failure;
+use crate::machine;
+use crate::output::save_figure;
 use crate::planners::draw::Uniform;
 use crate::planners::{ARMS, classes, of, settings};
 use crate::statistics::{Durations, aligned, time};
-use crate::{machine, root};
 
 /// N, numbers of intervals; the horizon stays 2 s.
 const HORIZONS: [i32; 6] = [10, 20, 40, 80, 160, 320];
@@ -110,17 +111,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     println!("{}", machine());
     println!("A plan over {SECONDS} s in N intervals, cold; medians over the starts\n");
     println!("{}", aligned(&table(&curves), &[0, 1]));
-    let path = match &options.figure {
-        Some(path) => path.clone(),
-        None => root()?.join("dist/benches/growth.svg"),
-    };
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    }
-    std::fs::write(&path, figure::draw(&curves)?)
-        .map_err(|e| format!("{}: {e}", path.display()))?;
-    println!("\nFigure: {}", path.display());
-    Ok(())
+    let svg = figure::draw(&curves)?;
+    save_figure(options.figure.as_deref(), "growth.svg", &svg)
 }
 
 /// A planner of N intervals over the same horizon.

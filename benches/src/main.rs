@@ -5,6 +5,7 @@
 
 mod growth;
 mod instructions;
+mod output;
 mod packages;
 mod planners;
 mod rates;

@@ -9,22 +9,17 @@ use std::path::PathBuf;
 use arm::Parameters;
 use clap::Args;
 use control::Settings;
-use control::nmpc::plan::PlanStatus;
 
 use self::plant::Loop;
+use self::plant::rates::{self, PENDULUM, Run, SECONDS, TFLEX};
+use crate::Failure;
+use crate::output::save_figure;
 use crate::statistics::aligned;
-use crate::{Failure, root};
 
 /// Rates of the plans \[Hz\].
 const RATES: [f64; 4] = [20.0, 200.0, 1000.0, 4000.0];
 /// How late plans are \[s\].
 const LATENCIES: [f64; 3] = [0.01, 0.025, 0.05];
-/// Length of a run \[s\].
-const SECONDS: f64 = 10.0;
-/// A setpoint a second \[rad\].
-const TFLEX: [f64; 10] = [1.1, 1.4, 1.0, 1.3, 1.45, 0.96, 1.2, 1.5, 1.0, 1.3];
-const PENDULUM: [f64; 10] = [0.1, 1.4, 0.4, 1.5, 0.1, 1.5, 0.8, 1.3, 0.2, 1.5];
-
 /// Show what planning at up to 4 kHz buys, and what late plans cost
 ///
 /// Closed loops of controller and arm over 10 s, both arms: a setpoint a second, and a push from 2 s to 6 s at rest
@@ -53,29 +48,6 @@ struct Task {
     at: fn(f64) -> [f64; 2],
 }
 
-/// What 10 s of it led to.
-struct Run {
-    /// (time \[s\], setpoint − θ \[rad\]) of every tenth sample.
-    errors: Vec<(f64, f64)>,
-    score: f64,
-    plans: u32,
-    unsolved: u32,
-    iterated: u32,
-    iterations: u32,
-    most_iterations: u32,
-    /// \[A²\]
-    excess: f64,
-    violations: u32,
-}
-
-fn push(time: f64, torque: f64) -> f64 {
-    if (2.0..6.0).contains(&time) {
-        torque
-    } else {
-        0.0
-    }
-}
-
 fn tasks() -> [Task; 4] {
     let task = |name: &str, settings, arm, start, at| Task {
         name: name.to_owned(),
@@ -87,75 +59,40 @@ fn tasks() -> [Task; 4] {
     let (tflex, pendulum) = (Parameters::tflex(), Parameters::pendulum());
     [
         task("T-flex, setpoints", Settings::tflex(), tflex, 1.3, |t| {
-            [TFLEX[(t as usize).min(9)], 0.0]
+            rates::setpoint(&TFLEX, t)
         }),
         task("T-flex, push", Settings::tflex(), tflex, 1.2, |t| {
-            [1.2, push(t, 1.0)]
+            rates::push(1.2, 1.0, t)
         }),
         task(
             "pendulum, setpoints",
             Settings::pendulum(),
             pendulum,
             0.785,
-            |t| [PENDULUM[(t as usize).min(9)], 0.0],
+            |t| rates::setpoint(&PENDULUM, t),
         ),
         task(
             "pendulum, push",
             Settings::pendulum(),
             pendulum,
             0.785,
-            |t| [0.785, push(t, 2.0)],
+            |t| rates::push(0.785, 2.0, t),
         ),
     ]
 }
 
 impl Task {
-    fn run(&self) -> Run {
-        let settings = &self.settings;
-        let limit = settings.nmpc.thermal_share.powi(2) * settings.motor.thermal_limit();
-        let mut closed_loop = Loop::new(settings, self.arm, self.start);
-        let mut run = Run {
-            errors: Vec::new(),
-            score: 0.0,
-            plans: 0,
-            unsolved: 0,
-            iterated: 0,
-            iterations: 0,
-            most_iterations: 0,
-            excess: f64::NEG_INFINITY,
-            violations: 0,
-        };
-        for sample in 0..(SECONDS / settings.sample_period).round() as u32 {
-            let time = f64::from(sample) * settings.sample_period;
-            let [setpoint, push] = (self.at)(time);
-            let error = setpoint - closed_loop.motion.angle;
-            run.score += error * error;
+    /// What it led to, and (time \[s\], setpoint − θ \[rad\]) of every tenth sample.
+    fn run(&self) -> (Run, Vec<(f64, f64)>) {
+        let (mut errors, mut sample) = (Vec::new(), 0_u32);
+        let closed_loop = Loop::new(&self.settings, self.arm, self.start);
+        let run = rates::run(closed_loop, &self.settings, self.at, |time, error| {
             if sample % 10 == 0 {
-                run.errors.push((time, error));
+                errors.push((time, error));
             }
-            let command = closed_loop.step(setpoint, push);
-            run.violations += u32::from(closed_loop.violates());
-            if command.new_plan {
-                run.excess = run.excess.max(command.thermal_load - limit);
-                let plan = closed_loop.controller.plan();
-                run.plans += 1;
-                run.iterated += u32::from(plan.iterations > 0);
-                run.iterations += plan.iterations;
-                run.most_iterations = run.most_iterations.max(plan.iterations);
-                run.unsolved += u32::from(!matches!(
-                    plan.status,
-                    PlanStatus::Solved | PlanStatus::GoalProjected | PlanStatus::ThermalSlack
-                ));
-            }
-        }
-        run
-    }
-
-    /// The same, planning at `rate` \[Hz\] over 2 s.
-    fn at_rate(mut self, rate: f64) -> Self {
-        self.settings.nmpc.period = 1.0 / rate;
-        self.settings.nmpc.duration = 2.0;
-        self
+            sample += 1;
+        });
+        (run, errors)
     }
 }
 
@@ -185,9 +122,12 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             let Some(task) = tasks().into_iter().nth(index) else {
                 continue;
             };
-            let task = task.at_rate(rate);
+            let task = Task {
+                settings: rates::every(1.0 / rate, task.settings),
+                ..task
+            };
             eprint!("\r{:<24}{rate:>6} Hz ", task.name);
-            let run = task.run();
+            let (run, errors) = task.run();
             if rate == RATES[0] {
                 paper = run.score;
             }
@@ -197,17 +137,14 @@ pub fn run(options: &Options) -> Result<(), Failure> {
                 format!("{:.3}", run.score),
                 format!("{:.3}", run.score / paper),
                 run.iterated.to_string(),
-                format!(
-                    "{:.1}",
-                    f64::from(run.iterations) / f64::from(run.iterated.max(1))
-                ),
+                format!("{:.1}", run.mean_iterations()),
                 run.most_iterations.to_string(),
                 format!("{:+.1e} A²", run.excess),
                 run.violations.to_string(),
                 run.unsolved.to_string(),
             ]);
             if task.name.ends_with("push") {
-                pushes.push((task.name, rate, run.errors));
+                pushes.push((task.name, rate, errors));
             }
         }
     }
@@ -235,7 +172,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
                 start: 1.3,
                 at: |_| [1.1, 0.0],
             };
-            task.run().errors
+            task.run().1
         });
         let left = |errors: &[(f64, f64)]| {
             let last = errors.iter().filter(|(time, _)| *time >= SECONDS - 1.0);
@@ -253,14 +190,6 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     }
     println!("{}\n", aligned(&rows, &[0]));
 
-    let path = match &options.figure {
-        Some(path) => path.clone(),
-        None => root()?.join("dist/benches/rates.svg"),
-    };
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    std::fs::write(&path, figure::draw(&pushes, &late)?)?;
-    println!("Figure: {}", path.display());
-    Ok(())
+    let svg = figure::draw(&pushes, &late)?;
+    save_figure(options.figure.as_deref(), "rates.svg", &svg)
 }

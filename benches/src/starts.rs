@@ -143,8 +143,8 @@ impl Group {
             goal,
             status: plan.status,
             iterations: plan.iterations,
-            // `ThermalSlack` also stands for an unfinished plan of nearly the least excess. Only a Riccati
-            // solve that converged leaves multipliers.
+            // `AngleSlack` also stands for an unfinished plan. Only a Riccati solve that converged leaves
+            // multipliers.
             converged: plan.iterations == 0
                 || plan.convex_problems > 0
                 || planner.state().multipliers.known,

@@ -5,65 +5,11 @@ mod common;
 
 use arm::Parameters;
 use common::Loop;
+use common::rates::{self, PENDULUM, Run, TFLEX, every};
 use control::Settings;
-use control::nmpc::plan::PlanStatus;
-use control::nmpc::settings;
 
 /// Periods of the plans \[s\].
 const PERIODS: [f64; 4] = [0.05, 5e-3, 1e-3, 2.5e-4];
-
-/// The same controller, planning every `period` \[s\] over 2 s.
-fn every(period: f64, settings: Settings) -> Settings {
-    let nmpc = settings::Settings {
-        period,
-        duration: 2.0,
-        ..settings.nmpc
-    };
-    Settings { nmpc, ..settings }
-}
-
-/// What 10 s led to.
-#[derive(Debug, Default)]
-struct Run {
-    /// Σ (goal − θ)² over the samples.
-    score: f64,
-    plans: u32,
-    /// Plans that are neither solved nor solved for the least excess.
-    unsolved: u32,
-    /// Plans that took iterations.
-    iterated: u32,
-    iterations: u32,
-    most_iterations: u32,
-    /// Largest excess of the thermal load over the limit that plans keep, at the nodes where they keep it \[A²\].
-    excess: f64,
-    violations: u32,
-}
-
-/// 10 s with a setpoint and a disturbing torque \[N·m\] for every time \[s\].
-fn run(mut closed_loop: Loop, settings: &Settings, at: impl Fn(f64) -> [f64; 2]) -> Run {
-    let mut run = Run::default();
-    let limit = settings.nmpc.thermal_share.powi(2) * settings.motor.thermal_limit();
-    run.excess = f64::NEG_INFINITY;
-    for sample in 0..(10.0 / settings.sample_period).round() as u32 {
-        let [setpoint, disturbance] = at(f64::from(sample) * settings.sample_period);
-        run.score += (setpoint - closed_loop.motion.angle).powi(2);
-        let command = closed_loop.step(setpoint, disturbance);
-        run.violations += u32::from(closed_loop.violates());
-        if command.new_plan {
-            run.excess = run.excess.max(command.thermal_load - limit);
-            let plan = closed_loop.controller.plan();
-            run.plans += 1;
-            run.iterated += u32::from(plan.iterations > 0);
-            run.iterations += plan.iterations;
-            run.most_iterations = run.most_iterations.max(plan.iterations);
-            run.unsolved += u32::from(!matches!(
-                plan.status,
-                PlanStatus::Solved | PlanStatus::GoalProjected | PlanStatus::ThermalSlack
-            ));
-        }
-    }
-    run
-}
 
 /// One run for every period; prints a line for each.
 fn runs(
@@ -75,8 +21,8 @@ fn runs(
 ) -> [Run; 4] {
     PERIODS.map(|period| {
         let settings = every(period, settings);
-        let run = run(Loop::new(&settings, arm, angle), &settings, &at);
-        let mean = f64::from(run.iterations) / f64::from(run.iterated.max(1));
+        let run = rates::run(Loop::new(&settings, arm, angle), &settings, &at, |_, _| ());
+        let mean = run.mean_iterations();
         eprintln!(
             "{name:<32} {:>5.0} Hz  score {:>10.3}  {:>5} of {:>5} plans iterated, {mean:>4.1} times, at most {:>2}, \
              excess {:>+9.1e} A2",
@@ -92,20 +38,14 @@ fn runs(
     })
 }
 
-/// A setpoint a second.
-fn setpoints(sequence: [f64; 10]) -> impl Fn(f64) -> [f64; 2] {
-    move |time| [sequence[(time as usize).min(9)], 0.0]
-}
-
 #[test]
 fn the_tflex_gets_there_sooner() {
-    let sequence = setpoints([1.1, 1.4, 1.0, 1.3, 1.45, 0.96, 1.2, 1.5, 1.0, 1.3]);
     let runs = runs(
         "T-flex, setpoints",
         Settings::tflex(),
         Parameters::tflex(),
         1.3,
-        sequence,
+        |time| rates::setpoint(&TFLEX, time),
     );
     assert!(runs.iter().all(|run| run.excess <= 1e-6));
     assert!(runs[3].score < 0.85 * runs[0].score);
@@ -113,7 +53,6 @@ fn the_tflex_gets_there_sooner() {
 
 #[test]
 fn the_pendulum_keeps_its_thermal_limit() {
-    let sequence = [0.1, 1.4, 0.4, 1.5, 0.1, 1.5, 0.8, 1.3, 0.2, 1.5];
     let exact = Settings {
         arm: Parameters::pendulum(),
         ..Settings::pendulum()
@@ -129,7 +68,9 @@ fn the_pendulum_keeps_its_thermal_limit() {
         ),
     ] {
         let arm = Parameters::pendulum();
-        let runs = runs(name, settings, arm, 0.785, setpoints(sequence));
+        let runs = runs(name, settings, arm, 0.785, |time| {
+            rates::setpoint(&PENDULUM, time)
+        });
         for (run, tolerance) in runs.iter().zip(tolerances) {
             assert!(run.excess <= tolerance, "{name}");
         }
@@ -140,24 +81,12 @@ fn the_pendulum_keeps_its_thermal_limit() {
 
 #[test]
 fn disturbances_move_the_arm_less() {
-    let pulse = |setpoint: f64, torque: f64| {
-        move |time: f64| {
-            [
-                setpoint,
-                if (2.0..6.0).contains(&time) {
-                    torque
-                } else {
-                    0.0
-                },
-            ]
-        }
-    };
     let tflex = runs(
         "T-flex, 1 N.m",
         Settings::tflex(),
         Parameters::tflex(),
         1.2,
-        pulse(1.2, 1.0),
+        |time| rates::push(1.2, 1.0, time),
     );
     assert!(tflex[3].score < 0.25 * tflex[0].score);
     let settings = Settings::pendulum();
@@ -166,7 +95,7 @@ fn disturbances_move_the_arm_less() {
         settings,
         Parameters::pendulum(),
         0.785,
-        pulse(0.785, 2.0),
+        |time| rates::push(0.785, 2.0, time),
     );
     assert!(pendulum[3].score < 0.8 * pendulum[0].score);
 }

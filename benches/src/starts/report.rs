@@ -10,6 +10,7 @@ use serde_json::json;
 use super::{Group, Options, Record};
 use crate::Failure;
 use crate::machine;
+use crate::output::write_whole;
 use crate::statistics::{Durations, aligned, text};
 
 /// Unsolved starts that are printed per group at most.
@@ -85,8 +86,7 @@ fn save(path: &Path, groups: &[Group], solver: &str) -> Result<(), Failure> {
             lines.push('\n');
         }
     }
-    std::fs::write(path, lines).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(())
+    write_whole(path, &lines)
 }
 
 /// Statuses and times of each group.

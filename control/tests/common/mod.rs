@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "every test file uses a part")]
 
+pub mod rates;
+
 use arm::{Limits, Motor, Parameters, plant};
 use control::{Command, Controller, ReferenceSource, Settings, feedback};
 
