@@ -82,7 +82,7 @@ fn starts_above_the_thermal_limit_are_planned() {
         (pendulum(), OVER, 0),
         (pendulum(), FAR_OVER, 0),
         (tflex(), OVER, 0),
-        (tflex(), FAR_OVER, 10),
+        (tflex(), FAR_OVER, 3),
     ] {
         let [_, slack, other] = count(&arm, 3, 1000, &class);
         assert!(other <= unfinished, "{}: {other} unfinished", class.name);

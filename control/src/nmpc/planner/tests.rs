@@ -264,31 +264,40 @@ fn one_slow_iteration_does_not_forbid_all_others() {
 /// Where there was no time to find a way within the angle bounds, none beyond them is taken.
 #[test]
 fn no_plan_leaves_the_bounds_for_lack_of_time() {
-    let problem = *planner().problem();
-    let (lower, upper) = (problem.angle_lower, problem.angle_upper);
-    let initial = Initial {
-        angle: 1.5,
-        reference_angle: 1.5,
-        velocity: 1.2,
-        reference_velocity: 1.2,
-        thermal_load: 2.0,
-        ..Initial::default()
-    };
-    for deadline in 1..20 {
-        let mut planner = planner();
-        planner.set_clock(Box::new(Ticking::default()));
-        planner.deadline = f64::from(deadline);
-        let plan = planner.plan(&initial, 1.5);
-        let angles = &plan.trajectory.reference_angle;
-        let inside = angles
-            .iter()
-            .all(|angle| (lower - 1e-6..=upper + 1e-6).contains(angle));
-        assert!(
-            inside || plan.status == PlanStatus::Rest,
-            "{deadline}: {:?}",
-            plan.status
-        );
+    let mut planner = planner_of(crate::Settings::pendulum().nmpc);
+    let problem = *planner.problem();
+    let inside = problem.angle_lower - 1e-6..=problem.angle_upper + 1e-6;
+    let mut stopped = 0;
+    // Cool starts towards the upper bound: low-discrepancy numbers instead of random ones.
+    let part = |i: u32, root: f64| (f64::from(i) * root.sqrt()).fract();
+    for i in 1..400 {
+        let angle = 1.3 + 0.25 * part(i, 2.0);
+        let velocity = 3.0 * part(i, 3.0);
+        let goal = 0.05 + 1.45 * part(i, 5.0);
+        let initial = Initial {
+            angle,
+            reference_angle: angle,
+            velocity,
+            reference_velocity: velocity,
+            thermal_load: part(i, 7.0),
+            ..Initial::default()
+        };
+        for deadline in 1..12 {
+            planner.set_state(&PlannerState::default());
+            planner.set_clock(Box::new(Ticking::default()));
+            planner.deadline = f64::from(deadline);
+            let plan = planner.plan(&initial, goal);
+            let angles = &plan.trajectory.reference_angle;
+            let keeps = angles.iter().all(|angle| inside.contains(angle));
+            let status = plan.status;
+            assert!(
+                keeps || status == PlanStatus::Rest,
+                "{initial:?} {deadline}: {status:?}"
+            );
+            stopped += u32::from(matches!(status, PlanStatus::Rest | PlanStatus::Deadline));
+        }
     }
+    assert!(stopped > 20, "{stopped}");
 }
 
 #[test]
