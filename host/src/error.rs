@@ -1,6 +1,6 @@
 //! Everything that can end a run.
 
-use crate::{fmu, input};
+use crate::{Outcome, fmu, input};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -19,6 +19,11 @@ pub enum Error {
     OutputFolder { path: PathBuf, source: io::Error },
     /// The result cannot be written.
     Output { path: PathBuf, source: io::Error },
+    /// The run ended before its time; what it has until then is kept.
+    Stopped {
+        source: Box<Self>,
+        partial: Box<Outcome>,
+    },
     /// The user stopped the run.
     Interrupted { time: f64 },
 }
@@ -45,6 +50,7 @@ impl fmt::Display for Error {
             Self::OutputFolder { path, source } | Self::Output { path, source } => {
                 write!(f, "cannot write {}: {source}", path.display())
             }
+            Self::Stopped { source, .. } => source.fmt(f),
             Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
         }
     }
@@ -56,6 +62,7 @@ impl std::error::Error for Error {
             Self::Fmu(error) => Some(error),
             Self::Input(error) => Some(error),
             Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
+            Self::Stopped { source, .. } => source.source(),
             Self::NotFinite { .. } | Self::Interrupted { .. } => None,
         }
     }

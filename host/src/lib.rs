@@ -15,4 +15,4 @@ pub mod output;
 pub mod run;
 
 pub use error::Error;
-pub use run::{Order, Outcome, Simulation, simulate, simulate_opened};
+pub use run::{Order, Outcome, Prepared, Simulation, simulate, simulate_opened};

@@ -99,7 +99,7 @@ fn setpoints_drive_inputs_too() {
 }
 
 #[test]
-fn a_run_that_fails_keeps_nothing_and_says_why() {
+fn a_run_that_fails_says_why_and_keeps_what_it_has_as_partial() {
     let folder = folder();
     for (fault, reason) in [
         (
@@ -130,8 +130,15 @@ fn a_run_that_fails_keeps_nothing_and_says_why() {
         assert_eq!(output.status.code(), Some(1));
         assert!(errors(&output).ends_with(reason), "{}", errors(&output));
         assert!(output.stdout.is_empty());
-        assert!(!folder.path().join("out/deep").exists());
-        assert!(!folder.path().join("out").exists());
+        let out = folder.path().join("out/deep");
+        assert!(!out.join("results.csv").exists());
+        let rows = fs::read_to_string(out.join("results-partial.csv")).unwrap();
+        assert!(rows.lines().count() >= 3, "{rows}");
+        let summary = fs::read_to_string(out.join("summary-partial.json")).unwrap();
+        let summary: host::run::summary::Summary = serde_json::from_str(&summary).unwrap();
+        let stopped = summary.stopped.unwrap();
+        assert_eq!(stopped.planned_s, 3.0);
+        assert_eq!(format!("error: {}\n", stopped.reason), reason);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use host::input::parameters::{Assignment, ParameterFile};
+use host::input::setpoints::Setpoints;
 use host::output::OutputFolder;
 use host::{Error, Outcome, Simulation, simulate};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -45,7 +46,8 @@ row holds until the next one; the first is at time 0.
 The folder of -o gets results.csv (every communication point: about 20 MB for 20 s, see --record),
 summary.json, report.html (which shows it all) and, if an FMU logs, log.txt. A row of results.csv holds the setpoint and the plant's
 outputs at its time, and the controller's outputs after the step that begins there; enumerations are numbers,
-arrays are left out unless they are connected. A run that fails leaves nothing there.";
+arrays are left out unless they are connected. A run that ends before its time leaves what it has in files
+called *-partial.*, one that does not begin leaves nothing.";
 
 /// Runs a controller with a plant and scores it.
 #[derive(Args, Debug)]
@@ -108,7 +110,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     let simulation = Simulation {
         parameters: arguments.parameters,
         assignments: arguments.assignments,
-        setpoints: arguments.setpoints,
+        setpoints: arguments.setpoints.map(Setpoints::File),
         connections: arguments.connections,
         until: arguments.until,
         step: arguments.step,
@@ -144,7 +146,18 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         }
     });
     bar.finish_and_clear();
-    let outcome = outcome?;
+    let outcome = match outcome {
+        Ok(outcome) => outcome,
+        Err(Error::Stopped { source, partial }) => {
+            report_messages(&partial);
+            if let Some(output) = output {
+                let report = output.write(&partial)?;
+                let _ = writeln!(io::stderr(), "partial report: {}", report.display());
+            }
+            return Err(Error::Stopped { source, partial });
+        }
+        Err(error) => return Err(error),
+    };
     report_messages(&outcome);
     if let Some(output) = output {
         let report = output.write(&outcome)?;

@@ -24,6 +24,14 @@ impl Place {
         }
     }
 
+    /// The place with `line` if it names none.
+    pub(crate) fn or_line(self, line: u64) -> Self {
+        Self {
+            line: self.line.or(Some(line)),
+            ..self
+        }
+    }
+
     pub(super) fn in_file(path: &Path, line: u64) -> Self {
         Self::new(path.display().to_string(), Some(line))
     }

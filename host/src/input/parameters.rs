@@ -50,6 +50,8 @@ pub struct Assignment {
     pub name: String,
     /// A number, true, false, or the name of an enumeration's item.
     pub value: String,
+    /// Where it is given.
+    pub place: Place,
 }
 
 impl fmt::Display for Assignment {
@@ -78,6 +80,7 @@ impl FromStr for Assignment {
             side,
             name: name.trim().to_owned(),
             value: value.trim().to_owned(),
+            place: Place::new("--set", None),
         })
     }
 }
@@ -108,10 +111,9 @@ impl StartValues {
                 values.give(pair, &place, file.side, &parameter.name, &text, unit)?;
             }
         }
-        let place = Place::new("--set", None);
         let mut errors = Vec::new();
         for a in assignments {
-            if let Err(error) = values.give(pair, &place, a.side, &a.name, &a.value, None) {
+            if let Err(error) = values.give(pair, &a.place, a.side, &a.name, &a.value, None) {
                 errors.push(error);
             }
         }

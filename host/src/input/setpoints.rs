@@ -1,4 +1,4 @@
-//! Setpoints over time, and values of other inputs, from a CSV file.
+//! Setpoints over time, and values of other inputs, from a CSV file or as the rows of an experiment.
 //!
 //! The header is `time,setpoint` and optional further columns, each named like an input of either FMU
 //! (`disturbance_torque`, or `plant.disturbance_torque` if both have one). Each row holds from its time
@@ -8,7 +8,53 @@
 use super::{Error, Pair, Place, Side, read_text};
 use crate::fmu::{Causality, Scalar, short};
 use csv::{ReaderBuilder, StringRecord, Trim};
-use std::path::Path;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Setpoints as the user gives them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Setpoints {
+    /// A CSV file.
+    File(PathBuf),
+    /// Rows that stand elsewhere.
+    Rows {
+        /// Where the columns are named.
+        place: Place,
+        /// `time`, `setpoint`, then names of inputs.
+        columns: Vec<String>,
+        /// Each row with its place.
+        rows: Vec<(Place, Vec<f64>)>,
+    },
+}
+
+impl fmt::Display for Setpoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => path.display().fmt(f),
+            Self::Rows { place, .. } => place.fmt(f),
+        }
+    }
+}
+
+impl Setpoints {
+    /// Reads and checks them. `limits` bounds the setpoints, if it is known.
+    pub fn table(&self, pair: Pair<'_>, limits: Option<AngleLimits>) -> Result<Table, Error> {
+        match self {
+            Self::File(path) => Table::read(path, pair, limits),
+            Self::Rows {
+                place,
+                columns,
+                rows,
+            } => {
+                let mut table = Table::new(pair, place, columns)?;
+                for (place, row) in rows {
+                    table.push(pair, place, columns, row, limits)?;
+                }
+                table.not_empty(place)
+            }
+        }
+    }
+}
 
 /// What a run is driven by.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,37 +118,49 @@ impl Table {
             .unwrap_or_default();
         let place = Place::in_file(path, 1);
         let columns: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut table = Self::new(pair, &place, &columns)?;
+        for record in records {
+            let record = record.map_err(syntax)?;
+            let place = Place::in_file(path, record.position().map_or(0, csv::Position::line));
+            let numbers = numbers(&place, &columns, &record)?;
+            table.push(pair, &place, &columns, &numbers, limits)?;
+        }
+        table.not_empty(&place)
+    }
+
+    /// A table without rows, whose columns are `time`, `setpoint` and names of inputs.
+    fn new(pair: Pair<'_>, place: &Place, columns: &[String]) -> Result<Self, Error> {
         if columns.len() < 2 || columns[0] != "time" || columns[1] != "setpoint" {
             return Err(Error::Header {
-                place,
+                place: place.clone(),
                 expected: "time,setpoint and names of inputs",
                 found: columns.join(","),
             });
         }
         let mut inputs = Vec::new();
         for name in &columns[2..] {
-            let input = input(pair, &place, name)?;
+            let input = input(pair, place, name)?;
             if inputs.contains(&input) {
                 return Err(Error::TwoSources {
-                    place,
+                    place: place.clone(),
                     name: pair.name(input.0, input.1),
                 });
             }
             inputs.push(input);
         }
-        let mut table = Self {
+        Ok(Self {
             inputs,
             rows: Vec::new(),
-        };
-        for record in records {
-            let record = record.map_err(syntax)?;
-            let place = Place::in_file(path, record.position().map_or(0, csv::Position::line));
-            table.push(pair, &place, &columns, &record, limits)?;
+        })
+    }
+
+    fn not_empty(self, place: &Place) -> Result<Self, Error> {
+        if self.rows.is_empty() {
+            return Err(Error::NoRows {
+                place: place.clone(),
+            });
         }
-        if table.rows.is_empty() {
-            return Err(Error::NoRows { place });
-        }
-        Ok(table)
+        Ok(self)
     }
 
     fn push(
@@ -110,29 +168,21 @@ impl Table {
         pair: Pair<'_>,
         place: &Place,
         columns: &[String],
-        record: &StringRecord,
+        numbers: &[f64],
         limits: Option<AngleLimits>,
     ) -> Result<(), Error> {
-        if record.len() != columns.len() {
+        if numbers.len() != columns.len() {
             return Err(Error::Columns {
                 place: place.clone(),
-                found: record.len(),
+                found: numbers.len(),
                 expected: columns.len(),
             });
         }
-        let numbers: Vec<f64> = record
-            .iter()
-            .zip(columns)
-            .map(|(text, column)| match text.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(number),
-                _ => Err(Error::Value {
-                    place: place.clone(),
-                    name: column.clone(),
-                    value: text.to_owned(),
-                    expected: "a finite number".to_owned(),
-                }),
-            })
-            .collect::<Result<_, _>>()?;
+        for (number, column) in numbers.iter().zip(columns) {
+            if !number.is_finite() {
+                return Err(not_finite(place, column, &number.to_string()));
+            }
+        }
         let (time, values) = (numbers[0], &numbers[1..]);
         let previous = self.rows.last().map(|row| row.time);
         if previous.map_or(time != 0.0, |previous| time <= previous) {
@@ -188,6 +238,24 @@ impl Table {
             .find(|row| row.values[0] != first)
             .map(|row| row.time)
     }
+}
+
+fn not_finite(place: &Place, column: &str, value: &str) -> Error {
+    Error::Value {
+        place: place.clone(),
+        name: column.to_owned(),
+        value: value.to_owned(),
+        expected: "a finite number".to_owned(),
+    }
+}
+
+/// The numbers of a row; how many there are is checked with their meaning.
+fn numbers(place: &Place, columns: &[String], record: &StringRecord) -> Result<Vec<f64>, Error> {
+    let number = |(i, text): (usize, &str)| {
+        let column = columns.get(i).map_or("a value", String::as_str);
+        text.parse().map_err(|_| not_finite(place, column, text))
+    };
+    record.iter().enumerate().map(number).collect()
 }
 
 /// The input that a column drives.

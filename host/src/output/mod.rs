@@ -1,7 +1,8 @@
 //! Writes a run to a folder: `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs logged.
 //!
 //! Files appear whole or not at all: they are written beside the folder and moved when all are complete. A run
-//! that fails leaves no folders either.
+//! that fails leaves no folders either; one that ends before its time leaves its samples until then in
+//! `results-partial.csv`, `summary-partial.json` and `report-partial.html`.
 
 mod decimate;
 mod report;
@@ -47,10 +48,15 @@ impl Drop for Made {
     }
 }
 
-/// What a run may write.
-const RESULTS: &str = "results.csv";
-const SUMMARY: &str = "summary.json";
-const REPORT: &str = "report.html";
+/// What a run writes: samples, score, report.
+const WHOLE: [&str; 3] = ["results.csv", "summary.json", "report.html"];
+/// The same of a run that ended before its time.
+const PARTIAL: [&str; 3] = [
+    "results-partial.csv",
+    "summary-partial.json",
+    "report-partial.html",
+];
+/// What the FMUs logged, if they did.
 const LOG: &str = "log.txt";
 
 impl OutputFolder {
@@ -90,16 +96,18 @@ impl OutputFolder {
             path: self.path.clone(),
             source,
         })?;
-        Ok(self.path.join(REPORT))
+        let [_, _, report] = names(outcome);
+        Ok(self.path.join(report))
     }
 
     fn write_files(&mut self, outcome: &Outcome) -> io::Result<()> {
         let file = |name: &str| self.partial.path().join(name);
-        write_csv(&outcome.recording, &file(RESULTS))?;
+        let [results, summary, report] = names(outcome);
+        write_csv(&outcome.recording, &file(results))?;
         let mut json = serde_json::to_string_pretty(&outcome.summary)?;
         json.push('\n');
-        fs::write(file(SUMMARY), json)?;
-        fs::write(file(REPORT), report::html(outcome))?;
+        fs::write(file(summary), json)?;
+        fs::write(file(report), report::html(outcome))?;
         let mut log = String::new();
         for (side, message) in &outcome.messages {
             let _ = writeln!(log, "{side}: {}: {message}", message.status);
@@ -113,10 +121,12 @@ impl OutputFolder {
     fn publish(&mut self) -> io::Result<()> {
         check_targets(&self.path)?;
         self.made.folder(&self.path)?;
-        // The only file that not every run writes: one of an earlier run would pass for this one's.
-        match fs::remove_file(self.path.join(LOG)) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-            _ => {}
+        // Files that not every run writes: those of an earlier run would pass for this one's.
+        for name in PARTIAL.into_iter().chain([LOG]) {
+            match fs::remove_file(self.path.join(name)) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
         }
         for entry in fs::read_dir(self.partial.path())? {
             let entry = entry?;
@@ -126,9 +136,17 @@ impl OutputFolder {
     }
 }
 
+/// The files that hold the run.
+fn names(outcome: &Outcome) -> [&'static str; 3] {
+    match outcome.summary.stopped {
+        None => WHOLE,
+        Some(_) => PARTIAL,
+    }
+}
+
 /// Whether files can take their places in `folder`: found out before the first one does.
 fn check_targets(folder: &Path) -> io::Result<()> {
-    for name in [RESULTS, SUMMARY, REPORT, LOG] {
+    for name in WHOLE.into_iter().chain(PARTIAL).chain([LOG]) {
         if folder.join(name).is_dir() {
             let why = format!("{name} is a folder there");
             return Err(io::Error::new(io::ErrorKind::IsADirectory, why));
@@ -171,6 +189,7 @@ fn write_csv(recording: &Recording, path: &Path) -> io::Result<()> {
 mod tests {
     use super::*;
     use crate::run::recording::Column;
+    use crate::run::summary::Stopped;
     use crate::run::summary::tests::summary;
 
     pub(super) fn outcome(rows: usize) -> Outcome {
@@ -190,7 +209,7 @@ mod tests {
         }
     }
 
-    fn names(folder: &Path) -> Vec<String> {
+    fn listing(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
         let mut names: Vec<_> = entries
             .map(|e| e.unwrap().file_name().into_string().unwrap())
@@ -206,15 +225,18 @@ mod tests {
         let output = OutputFolder::prepare(&out).unwrap();
         assert!(!out.exists());
         output.write(&outcome(3)).unwrap();
-        assert_eq!(names(&out), ["report.html", "results.csv", "summary.json"]);
-        assert_eq!(names(&folder.path().join("a")), ["b"]);
+        assert_eq!(
+            listing(&out),
+            ["report.html", "results.csv", "summary.json"]
+        );
+        assert_eq!(listing(&folder.path().join("a")), ["b"]);
         fs::write(out.join("notes.txt"), "").unwrap();
         OutputFolder::prepare(&out)
             .unwrap()
             .write(&outcome(3))
             .unwrap();
         let all = ["notes.txt", "report.html", "results.csv", "summary.json"];
-        assert_eq!(names(&out), all);
+        assert_eq!(listing(&out), all);
         let csv = fs::read_to_string(out.join("results.csv")).unwrap();
         assert_eq!(
             csv,
@@ -224,32 +246,58 @@ mod tests {
     }
 
     #[test]
+    fn partial_results_are_marked_and_spare_those_of_an_earlier_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |outcome: &Outcome| {
+            let output = OutputFolder::prepare(folder.path()).unwrap();
+            output.write(outcome).unwrap()
+        };
+        write(&outcome(3));
+        let mut partial = outcome(2);
+        partial.summary.stopped = Some(Stopped {
+            reason: "the plant <failed>".into(),
+            planned_s: 3.0,
+        });
+        let report = write(&partial);
+        assert!(report.ends_with("report-partial.html"));
+        let report = fs::read_to_string(report).unwrap();
+        assert!(report.contains("Partial: the plant &lt;failed&gt;"));
+        assert_eq!(listing(folder.path()).len(), 6);
+        // The next whole run leaves no doubt.
+        write(&outcome(3));
+        assert_eq!(
+            listing(folder.path()),
+            ["report.html", "results.csv", "summary.json"]
+        );
+    }
+
+    #[test]
     fn a_run_that_fails_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         drop(OutputFolder::prepare(&folder.path().join("out")).unwrap());
-        assert!(names(folder.path()).is_empty());
+        assert!(listing(folder.path()).is_empty());
         drop(OutputFolder::prepare(&folder.path().join("deep/deeper/out")).unwrap());
-        assert!(names(folder.path()).is_empty());
+        assert!(listing(folder.path()).is_empty());
         fs::write(folder.path().join("file"), "").unwrap();
         assert!(OutputFolder::prepare(&folder.path().join("file")).is_err());
         assert!(OutputFolder::prepare(&folder.path().join("file/below")).is_err());
-        assert_eq!(names(folder.path()), ["file"]);
+        assert_eq!(listing(folder.path()), ["file"]);
     }
 
     #[test]
     fn a_target_that_cannot_be_replaced_keeps_all_others() {
         let folder = tempfile::tempdir().unwrap();
         let output = OutputFolder::prepare(folder.path()).unwrap();
-        fs::write(folder.path().join(RESULTS), "old").unwrap();
-        fs::create_dir(folder.path().join(SUMMARY)).unwrap();
+        fs::write(folder.path().join(WHOLE[0]), "old").unwrap();
+        fs::create_dir(folder.path().join(WHOLE[1])).unwrap();
         let message = output.write(&outcome(3)).unwrap_err().to_string();
         assert!(
             message.ends_with("summary.json is a folder there"),
             "{message}"
         );
-        assert_eq!(names(folder.path()), [RESULTS, SUMMARY]);
+        assert_eq!(listing(folder.path()), WHOLE[..2]);
         assert_eq!(
-            fs::read_to_string(folder.path().join(RESULTS)).unwrap(),
+            fs::read_to_string(folder.path().join(WHOLE[0])).unwrap(),
             "old"
         );
         assert!(OutputFolder::prepare(folder.path()).is_err());

@@ -83,6 +83,13 @@ pub(super) fn html(outcome: &Outcome) -> String {
         );
     }
     page.push_str("</table>\n");
+    if let Some(stopped) = &summary.stopped {
+        let _ = writeln!(
+            page,
+            "<p class=\"warning\"><strong>Partial: {}</strong></p>",
+            escape(&stopped.reason)
+        );
+    }
     for warning in &summary.warnings {
         let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
     }

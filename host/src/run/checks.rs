@@ -37,8 +37,8 @@ pub(super) fn steps(
     let (until, origin) = if let Some(until) = simulation.until {
         (until, "--until".to_owned())
     } else if let Some(duration) = table.and_then(Table::duration) {
-        let file = simulation.setpoints_name();
-        (duration, format!("{file}: end of the setpoints"))
+        let place = simulation.setpoints_place();
+        (duration, format!("{place}: end of the setpoints"))
     } else if let Some(time) = stop(Side::Plant) {
         (time, "plant: default stop time".to_owned())
     } else if let Some(time) = stop(Side::Controller) {
@@ -80,7 +80,7 @@ pub(super) fn setpoint_and_angle(
         return Ok(());
     }
     Err(Error::Purposeless {
-        file: simulation.setpoints_name(),
+        file: simulation.setpoints_place().to_string(),
         missing,
         swapped: swapped(pair),
     })
@@ -183,12 +183,12 @@ pub(super) fn size(rows: usize, columns: usize) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::setpoints::Row;
+    use crate::input::setpoints::{Row, Setpoints};
     use crate::input::tests::contract;
 
     fn simulation(setpoints: bool) -> Simulation {
         let mut simulation = Simulation::new("c.fmu", "p.fmu");
-        simulation.setpoints = setpoints.then(|| "s.csv".into());
+        simulation.setpoints = setpoints.then(|| Setpoints::File("s.csv".into()));
         simulation
     }
 

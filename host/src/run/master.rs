@@ -18,6 +18,7 @@ pub(super) struct Master {
     /// First step and values of each row of the setpoints.
     schedule: Vec<(usize, Vec<f64>)>,
     next: usize,
+    done: usize,
     step: f64,
     order: Order,
     record_every: usize,
@@ -49,6 +50,7 @@ impl Master {
             row,
             schedule,
             next: 0,
+            done: 0,
             step: simulation.step,
             order: simulation.order,
             record_every: simulation.record_every,
@@ -105,6 +107,7 @@ impl Master {
             if k % self.record_every == 0 {
                 self.recording.push(&self.row);
             }
+            self.done = k + 1;
         }
         self.read_plant(plant)?;
         self.scorer.last(&self.row);
@@ -115,6 +118,11 @@ impl Master {
                 time: steps as f64 * self.step,
             }),
         }
+    }
+
+    /// Number of steps that both FMUs have made.
+    pub(super) fn steps_done(&self) -> usize {
+        self.done
     }
 
     pub(super) fn finish(self) -> (Score, Recording, Duration) {

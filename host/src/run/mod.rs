@@ -25,8 +25,8 @@ use crate::fmu::{Experiment, Fmu, Instance, Message};
 use crate::input::connections::{Source, Wiring};
 use crate::input::parameters::{Assignment, ParameterFile, StartValues};
 use crate::input::roles::Role;
-use crate::input::setpoints::{AngleLimits, Table};
-use crate::input::{Pair, Side};
+use crate::input::setpoints::{AngleLimits, Setpoints, Table};
+use crate::input::{Pair, Place, Side};
 use master::Master;
 use plan::Plan;
 use recording::Recording;
@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
-use summary::{Given, Summary, Timing, Unit};
+use summary::{Given, Stopped, Summary, Timing, Unit};
 
 /// Which FMU steps first.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub struct Simulation {
     /// Single values, after the files.
     pub assignments: Vec<Assignment>,
     /// Setpoints over time. None: the angle at which the plant starts, all the time.
-    pub setpoints: Option<PathBuf>,
+    pub setpoints: Option<Setpoints>,
     /// Connections and roles. None: by the names of the contract.
     pub connections: Option<PathBuf>,
     /// End of the run \[s\]. None: the end of the setpoints, or else the plant's default experiment, or else
@@ -106,10 +106,13 @@ impl Simulation {
         }
     }
 
-    fn setpoints_name(&self) -> String {
-        self.setpoints
-            .as_ref()
-            .map_or(String::new(), |path| path.display().to_string())
+    /// Where the setpoints stand; in a file the first line.
+    fn setpoints_place(&self) -> Place {
+        match &self.setpoints {
+            Some(Setpoints::File(path)) => Place::new(path.display().to_string(), None),
+            Some(Setpoints::Rows { place, .. }) => place.clone(),
+            None => Place::new("", None),
+        }
     }
 }
 
@@ -146,102 +149,176 @@ pub fn simulate_opened(
     plant: &Fmu,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Outcome, Error> {
-    let pair = Pair {
-        controller: controller.description(),
-        plant: plant.description(),
-    };
-    let values = StartValues::read(pair, &simulation.parameters, &simulation.assignments)?;
-    let wiring = Wiring::read(pair, simulation.connections.as_deref())?;
-    let limits = angle_limits(pair, &values);
-    let table = match &simulation.setpoints {
-        Some(path) => Some(Table::read(path, pair, limits)?),
-        None => None,
-    };
-    let steps = checks::steps(simulation, pair, table.as_ref())?;
-    checks::setpoint_and_angle(simulation, pair, &wiring)?;
-    let experiment = Experiment {
-        stop: Some(steps as f64 * simulation.step),
-        ..Experiment::default()
-    };
+    Prepared::new(simulation, controller, plant)?.run(progress)
+}
 
-    let mut instances = Instances {
-        controller: start(
+/// A run before its first step: what the user gave makes sense for this pair.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    simulation: &'a Simulation,
+    controller: &'a Fmu,
+    plant: &'a Fmu,
+    values: StartValues,
+    wiring: Wiring,
+    limits: Option<AngleLimits>,
+    table: Option<Table>,
+    steps: usize,
+}
+
+impl<'a> Prepared<'a> {
+    /// Reads and checks what the user gave, without an instance of either FMU.
+    pub fn new(
+        simulation: &'a Simulation,
+        controller: &'a Fmu,
+        plant: &'a Fmu,
+    ) -> Result<Self, Error> {
+        let pair = Pair {
+            controller: controller.description(),
+            plant: plant.description(),
+        };
+        let values = StartValues::read(pair, &simulation.parameters, &simulation.assignments)?;
+        let wiring = Wiring::read(pair, simulation.connections.as_deref())?;
+        let limits = angle_limits(pair, &values);
+        let table = match &simulation.setpoints {
+            Some(setpoints) => Some(setpoints.table(pair, limits)?),
+            None => None,
+        };
+        let steps = checks::steps(simulation, pair, table.as_ref())?;
+        checks::setpoint_and_angle(simulation, pair, &wiring)?;
+        Ok(Self {
+            simulation,
             controller,
-            Side::Controller,
-            &values,
-            &experiment,
-            simulation.logging,
-        )?,
-        plant: start(plant, Side::Plant, &values, &experiment, simulation.logging)?,
-    };
-    let table = match table {
-        Some(table) => table,
-        None => Table::constant(start_angle(&mut instances, &wiring)?),
-    };
-    let plan = Plan::new(pair, &wiring, &table, simulation)?;
-    let thermal_limit = both(|side| values.number(pair, side, "motor.continuous_current"))
-        .map(|current| current * current);
-    let terms = Terms {
-        step: simulation.step,
-        first: table
-            .first_change()
-            .map_or(0, |time| plan::step_of(time, simulation.step)),
-        limits,
-        thermal_limit,
-        plan_period: values.number(pair, Side::Controller, "nmpc.period"),
-    };
-    let end = steps as f64 * simulation.step;
-    let mut warnings = wiring.warnings.clone();
-    warnings.extend(checks::wiring(pair, &wiring));
-    warnings.extend(checks::descriptions(pair, simulation.step));
-    warnings.extend(checks::periods(pair, &values, simulation.step));
-    warnings.extend(plan.warnings.iter().cloned());
-    if terms.first >= steps {
-        warnings.push(format!(
-            "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"
-        ));
+            plant,
+            values,
+            wiring,
+            limits,
+            table,
+            steps,
+        })
     }
-    let rows = steps.div_ceil(simulation.record_every);
-    checks::size(rows, plan.columns.len())?;
-    let begin = Instant::now();
-    let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
-    master.run(&mut instances, steps, progress)?;
-    let wall = begin.elapsed().as_secs_f64();
-    instances.controller.terminate()?;
-    instances.plant.terminate()?;
 
-    let (score, recording, controller_time) = master.finish();
-    if let Some(value) = score.not_finite() {
-        return Err(Error::NotFinite {
-            name: "the squared error".to_owned(),
-            value,
-            time: end,
-        });
+    /// Descriptions of both FMUs.
+    pub fn pair(&self) -> Pair<'a> {
+        Pair {
+            controller: self.controller.description(),
+            plant: self.plant.description(),
+        }
     }
-    let messages = instances.messages();
-    let summary = Summary {
-        controller: Unit::new(controller),
-        plant: Unit::new(plant),
-        given: Given::new(simulation),
-        order: simulation.order,
-        step_s: simulation.step,
-        steps: steps as u64,
-        until_s: end,
-        score,
-        timing: Timing {
-            wall_s: wall,
-            real_time_factor: end / wall,
-            controller_mean_us: controller_time.as_secs_f64() * 1e6 / steps as f64,
-        },
-        warnings,
-    };
-    Ok(Outcome {
-        summary,
-        recording,
-        angle_limits: limits,
-        thermal_limit,
-        messages,
-    })
+
+    /// Makes the run.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`], with the samples until then, where it ends before its time.
+    pub fn run(self, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Outcome, Error> {
+        let pair = self.pair();
+        let Self {
+            simulation,
+            controller,
+            plant,
+            values,
+            wiring,
+            limits,
+            table,
+            steps,
+        } = self;
+        let end = steps as f64 * simulation.step;
+        let experiment = Experiment {
+            stop: Some(end),
+            ..Experiment::default()
+        };
+        let start = |fmu, side| start(fmu, side, &values, &experiment, simulation.logging);
+        let mut instances = Instances {
+            controller: start(controller, Side::Controller)?,
+            plant: start(plant, Side::Plant)?,
+        };
+        let table = match table {
+            Some(table) => table,
+            None => Table::constant(start_angle(&mut instances, &wiring)?),
+        };
+        let plan = Plan::new(pair, &wiring, &table, simulation)?;
+        let thermal_limit = both(|side| values.number(pair, side, "motor.continuous_current"))
+            .map(|current| current * current);
+        let terms = Terms {
+            step: simulation.step,
+            first: table
+                .first_change()
+                .map_or(0, |time| plan::step_of(time, simulation.step)),
+            limits,
+            thermal_limit,
+            plan_period: values.number(pair, Side::Controller, "nmpc.period"),
+        };
+        let mut warnings = wiring.warnings.clone();
+        warnings.extend(checks::wiring(pair, &wiring));
+        warnings.extend(checks::descriptions(pair, simulation.step));
+        warnings.extend(checks::periods(pair, &values, simulation.step));
+        warnings.extend(plan.warnings.iter().cloned());
+        if terms.first >= steps {
+            warnings.push(format!(
+                "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"
+            ));
+        }
+        let rows = steps.div_ceil(simulation.record_every);
+        checks::size(rows, plan.columns.len())?;
+        let begin = Instant::now();
+        let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
+        let failure = match master.run(&mut instances, steps, progress) {
+            Ok(()) => None,
+            // Who stops a run wants no result, and before the first step is over there is none.
+            Err(error @ Error::Interrupted { .. }) => return Err(error),
+            Err(error) if master.steps_done() == 0 => return Err(error),
+            Err(error) => Some(error),
+        };
+        let wall = begin.elapsed().as_secs_f64();
+        if failure.is_none() {
+            instances.controller.terminate()?;
+            instances.plant.terminate()?;
+        }
+
+        let done = master.steps_done();
+        let until = done as f64 * simulation.step;
+        let (score, recording, controller_time) = master.finish();
+        if let (Some(value), None) = (score.not_finite(), &failure) {
+            return Err(Error::NotFinite {
+                name: "the squared error".to_owned(),
+                value,
+                time: end,
+            });
+        }
+        let summary = Summary {
+            controller: Unit::new(controller),
+            plant: Unit::new(plant),
+            given: Given::new(simulation),
+            order: simulation.order,
+            step_s: simulation.step,
+            steps: done as u64,
+            until_s: until,
+            stopped: failure.as_ref().map(|error| Stopped {
+                reason: error.to_string(),
+                planned_s: end,
+            }),
+            score,
+            timing: Timing {
+                wall_s: wall,
+                real_time_factor: until / wall,
+                controller_mean_us: controller_time.as_secs_f64() * 1e6 / done as f64,
+            },
+            warnings,
+        };
+        let outcome = Outcome {
+            summary,
+            recording,
+            angle_limits: limits,
+            thermal_limit,
+            messages: instances.messages(),
+        };
+        match failure {
+            None => Ok(outcome),
+            Some(source) => Err(Error::Stopped {
+                source: Box::new(source),
+                partial: Box::new(outcome),
+            }),
+        }
+    }
 }
 
 /// Both instances of a run.

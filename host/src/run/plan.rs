@@ -6,7 +6,7 @@ use crate::fmu::{Causality, Kind, Scalar, Signals};
 use crate::input::connections::{Source, Tap, Wiring};
 use crate::input::roles::Role;
 use crate::input::setpoints::Table;
-use crate::input::{Error, Pair, Place, Side};
+use crate::input::{Error, Pair, Side};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -97,7 +97,7 @@ impl Plan {
                 }
                 if wiring.feeds(side, input) {
                     return Err(Error::TwoSources {
-                        place: Place::new(simulation.setpoints_name(), Some(1)),
+                        place: simulation.setpoints_place().or_line(1),
                         name: pair.name(side, input),
                     });
                 }

@@ -6,7 +6,6 @@ use crate::fmu::Fmu;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
 /// One of the two FMUs of a run.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
@@ -40,7 +39,7 @@ pub struct Given {
     pub parameters: Vec<String>,
     /// Single values, in order.
     pub assignments: Vec<String>,
-    /// Setpoint file.
+    /// Setpoint file, or where the setpoints stand.
     pub setpoints: Option<String>,
     /// Connections file.
     pub connections: Option<String>,
@@ -48,7 +47,6 @@ pub struct Given {
 
 impl Given {
     pub(super) fn new(simulation: &Simulation) -> Self {
-        let path = |path: &PathBuf| path.display().to_string();
         Self {
             parameters: simulation
                 .parameters
@@ -60,8 +58,11 @@ impl Given {
                 .iter()
                 .map(ToString::to_string)
                 .collect(),
-            setpoints: simulation.setpoints.as_ref().map(path),
-            connections: simulation.connections.as_ref().map(path),
+            setpoints: simulation.setpoints.as_ref().map(ToString::to_string),
+            connections: simulation
+                .connections
+                .as_ref()
+                .map(|path| path.display().to_string()),
         }
     }
 }
@@ -75,6 +76,15 @@ pub struct Timing {
     pub real_time_factor: f64,
     /// Mean duration of a step of the controller \[µs\].
     pub controller_mean_us: f64,
+}
+
+/// The end of a run before its time.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct Stopped {
+    /// What went wrong.
+    pub reason: String,
+    /// When the run should have ended \[s\].
+    pub planned_s: f64,
 }
 
 /// What a run comes to. Everything but `timing` is the same in every repetition.
@@ -94,6 +104,9 @@ pub struct Summary {
     pub steps: u64,
     /// End of the run \[s\].
     pub until_s: f64,
+    /// Why it ended before its time, if it did: the result is partial then.
+    #[serde(default)]
+    pub stopped: Option<Stopped>,
     /// Score.
     pub score: Score,
     /// Speed.
@@ -129,6 +142,9 @@ impl Summary {
             rows.push([name.to_owned(), value, unit.to_owned()]);
         };
         row("simulated", number(self.until_s), "s");
+        if let Some(stopped) = &self.stopped {
+            row("PARTIAL: planned", number(stopped.planned_s), "s");
+        }
         let score = &self.score;
         let cost = score.squared_error_rad2;
         row(
@@ -231,6 +247,7 @@ pub(crate) mod tests {
             step_s: 0.000_25,
             steps: 4000,
             until_s: 1.0,
+            stopped: None,
             score: Score {
                 squared_error_rad2: Some(251.505_447_6),
                 planner: Some(Planner {
