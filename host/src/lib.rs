@@ -4,11 +4,13 @@
 //! - [`fmu`] imports FMUs, alone useful to any client of FMUs;
 //! - [`input`] reads what the user gives: parameters, setpoints, connections;
 //! - [`run`] steps the pair and measures it: [`simulate`];
+//! - [`experiment`] makes many runs that a file describes, and compares them with what was expected;
 //! - [`output`] writes the result.
 //!
 //! FMUs are known only as files: this crate knows no arm, no controller and no export.
 
 mod error;
+pub mod experiment;
 pub mod fmu;
 pub mod input;
 pub mod output;

@@ -66,6 +66,13 @@ pub enum Error {
         similar: Vec<String>,
         existing: Vec<String>,
     },
+    /// No column of the recording has the name.
+    Column {
+        place: Place,
+        name: String,
+        similar: Vec<String>,
+        existing: Vec<String>,
+    },
     /// An array cannot be used as a whole.
     Array {
         place: Place,
@@ -191,6 +198,18 @@ impl fmt::Display for Error {
                     Some(side) => write!(f, "{place}: {side} has no variable {name}")?,
                     None => write!(f, "{place}: neither FMU has a variable {name}")?,
                 }
+                if let [most, ..] = similar.as_slice() {
+                    write!(f, ", did you mean {most}?")?;
+                }
+                list(f, "; there are: ", existing)
+            }
+            Self::Column {
+                place,
+                name,
+                similar,
+                existing,
+            } => {
+                write!(f, "{place}: no column {name} is recorded")?;
                 if let [most, ..] = similar.as_slice() {
                     write!(f, ", did you mean {most}?")?;
                 }

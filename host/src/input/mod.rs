@@ -129,7 +129,7 @@ fn with_article(causality: Causality) -> String {
 }
 
 /// Text of a file that the user named, without a byte order mark.
-fn read_text(path: &Path) -> Result<String, Error> {
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = std::fs::read(path).map_err(|source| Error::Read {
         file: path.to_owned(),
         source,

@@ -4,8 +4,13 @@
 //! that fails leaves no folders either; one that ends before its time leaves its samples until then in
 //! `results-partial.csv`, `summary-partial.json` and `report-partial.html`.
 
+mod chart;
 mod decimate;
+pub mod experiments;
+mod figures;
+mod page;
 mod report;
+mod svg;
 
 use crate::Error;
 use crate::run::Outcome;
@@ -92,22 +97,34 @@ impl OutputFolder {
 
     /// Writes all files and returns the path of the report. On an error none of them appears.
     pub fn write(mut self, outcome: &Outcome) -> Result<PathBuf, Error> {
-        self.write_files(outcome).map_err(|source| Error::Output {
-            path: self.path.clone(),
-            source,
-        })?;
+        self.write_files(outcome, true)?;
         let [_, _, report] = names(outcome);
         Ok(self.path.join(report))
     }
 
-    fn write_files(&mut self, outcome: &Outcome) -> io::Result<()> {
+    /// Writes all files but the report, which is large. On an error none of them appears.
+    pub fn write_samples(mut self, outcome: &Outcome) -> Result<(), Error> {
+        self.write_files(outcome, false)
+    }
+
+    fn write_files(&mut self, outcome: &Outcome, reported: bool) -> Result<(), Error> {
+        self.try_write(outcome, reported)
+            .map_err(|source| Error::Output {
+                path: self.path.clone(),
+                source,
+            })
+    }
+
+    fn try_write(&mut self, outcome: &Outcome, reported: bool) -> io::Result<()> {
         let file = |name: &str| self.partial.path().join(name);
         let [results, summary, report] = names(outcome);
         write_csv(&outcome.recording, &file(results))?;
         let mut json = serde_json::to_string_pretty(&outcome.summary)?;
         json.push('\n');
         fs::write(file(summary), json)?;
-        fs::write(file(report), report::html(outcome))?;
+        if reported {
+            fs::write(file(report), report::html(outcome))?;
+        }
         let mut log = String::new();
         for (side, message) in &outcome.messages {
             let _ = writeln!(log, "{side}: {}: {message}", message.status);

@@ -1,17 +1,12 @@
 //! The report: one HTML page that needs no network, with the summary and linked, zoomable plots.
 
-use super::decimate;
+use super::chart::{Chart, Panel, Trace, escape, script};
+use crate::experiment::Style;
 use crate::input::roles::Role;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
-use plotly::common::{DashType, HoverInfo, Line, LineShape, Mode, Orientation, Title};
-use plotly::configuration::Configuration;
-use plotly::layout::{Axis, HoverMode, Layout, Legend, Margin, RangeMode};
-use plotly::{Plot, Scatter};
 use std::fmt::Write;
 
-/// Samples of a trace that are drawn.
-const POINTS: usize = 6000;
 /// Height of one panel \[px\].
 const PANEL: usize = 260;
 
@@ -30,35 +25,6 @@ const HEAT_LIMIT: &str = "#f87171";
 const STATUS: &str = "#4d7c0f";
 const ITERATIONS: &str = "#6366f1";
 
-/// A plot of some signals over time.
-struct Panel {
-    title: &'static str,
-    traces: Vec<Trace>,
-    /// Values of the axis with their names.
-    ticks: Vec<(i64, String)>,
-    /// The axis begins at zero.
-    from_zero: bool,
-}
-
-struct Trace {
-    name: &'static str,
-    color: &'static str,
-    time: Vec<f64>,
-    values: Vec<f64>,
-    /// Held between samples rather than joined.
-    steps: bool,
-    dash: Dash,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Dash {
-    Solid,
-    /// On top of a line that it nearly covers.
-    Dashed,
-    /// A limit: thin and without a label under the pointer.
-    Limit,
-}
-
 /// The page.
 pub(super) fn html(outcome: &Outcome) -> String {
     let summary = &outcome.summary;
@@ -69,7 +35,7 @@ pub(super) fn html(outcome: &Outcome) -> String {
         page,
         "<title>{}</title>\n{}</head>\n<body>\n<h1>{}</h1>\n",
         escape(&title),
-        plotly(),
+        script(),
         escape(&title)
     );
     let _ = writeln!(page, "<p>{}</p>\n<table>", escape(&summary.headline()));
@@ -93,7 +59,12 @@ pub(super) fn html(outcome: &Outcome) -> String {
     for warning in &summary.warnings {
         let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
     }
-    page.push_str(&plot(&panels(outcome)).to_inline_html(Some("plots")));
+    let chart = Chart {
+        axis: "time [s]".to_owned(),
+        log: false,
+        panels: panels(outcome),
+    };
+    page.push_str(&chart.interactive("plots", PANEL));
     page.push_str("\n</body>\n</html>\n");
     page
 }
@@ -114,23 +85,6 @@ p.warning { color: #b45309; margin: .2rem 0; }
 </style>
 "#;
 
-/// The plotting library as a script. The crate's sources also hold a formula renderer, which is not used.
-fn plotly() -> String {
-    let mut sources = Plot::offline_js_sources();
-    const END: &str = "</script>";
-    if let Some(end) = sources.find(END) {
-        sources.truncate(end + END.len());
-    }
-    sources.push('\n');
-    sources
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-}
-
 fn panels(outcome: &Outcome) -> Vec<Panel> {
     let recording = &outcome.recording;
     let time = recording.column(0);
@@ -138,26 +92,28 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         [first, .., last] => vec![*first, *last],
         _ => time.clone(),
     };
-    let line = |name, color, value: f64| Trace {
-        name,
-        color,
-        time: span.clone(),
-        values: vec![value; span.len()],
-        steps: false,
-        dash: Dash::Limit,
+    let line = |name, color, value: f64| {
+        Trace::new(name, color, Style::Limit, &span, &vec![value; span.len()])
     };
-    let role = |role, name, color| Some(trace(&time, recording.role(role)?, name, color, false));
-    let held = |role, name, color| Some(trace(&time, recording.role(role)?, name, color, true));
+    let styled = |role, name, color, style| {
+        let values = recording.role(role)?;
+        Some(Trace::new(name, color, style, &time, &values))
+    };
+    let role = |role, name, color| styled(role, name, color, Style::Line);
+    // On top of a line that it nearly covers.
+    let dashed = |role, name, color| styled(role, name, color, Style::Dashed);
+    let held = |role, name, color| styled(role, name, color, Style::Steps);
 
-    let mut angle = vec![trace(
-        &time,
-        recording.column(1),
+    let setpoint = recording.column(1);
+    let mut angle = vec![Trace::new(
         "setpoint",
         SETPOINT,
-        true,
+        Style::Steps,
+        &time,
+        &setpoint,
     )];
     angle.extend(role(Role::Angle, "angle", ANGLE));
-    angle.extend(role(Role::ReferenceAngle, "reference", REFERENCE).map(dashed));
+    angle.extend(dashed(Role::ReferenceAngle, "reference", REFERENCE));
     if let Some(limits) = outcome.angle_limits {
         angle.push(line("lower limit", LOWER, limits.lower));
         angle.push(line("upper limit", UPPER, limits.upper));
@@ -167,11 +123,12 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
         .zip(recording.role(Role::ReferenceAngle));
     let error = error.map(|(angle, reference)| {
         let values = angle.iter().zip(&reference).map(|(a, r)| 1e3 * (a - r));
-        trace(&time, values.collect(), "tracking error", ERROR, false)
+        let values: Vec<_> = values.collect();
+        Trace::new("tracking error", ERROR, Style::Line, &time, &values)
     });
     let torque = [
         role(Role::Torque, "torque", TORQUE),
-        role(Role::FeedforwardTorque, "feedforward", FEEDFORWARD).map(dashed),
+        dashed(Role::FeedforwardTorque, "feedforward", FEEDFORWARD),
         role(Role::FeedbackTorque, "feedback", FEEDBACK),
     ];
     let mut thermal: Vec<_> = role(Role::ThermalLoad, "thermal load", HEAT)
@@ -180,8 +137,8 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
     if let (Some(limit), false) = (outcome.thermal_limit, thermal.is_empty()) {
         thermal.push(line("limit of the thermal load", HEAT_LIMIT, limit));
     }
-    let panel = |title, traces| Panel {
-        title,
+    let panel = |title: &str, traces| Panel {
+        title: title.to_owned(),
         traces,
         ticks: Vec::new(),
         from_zero: false,
@@ -224,113 +181,6 @@ fn status_names(recording: &Recording) -> Vec<(i64, String)> {
     items
 }
 
-fn trace(
-    time: &[f64],
-    values: Vec<f64>,
-    name: &'static str,
-    color: &'static str,
-    steps: bool,
-) -> Trace {
-    let positions = decimate::positions(&values, POINTS);
-    Trace {
-        name,
-        color,
-        time: positions.iter().map(|&i| time[i]).collect(),
-        values: positions.iter().map(|&i| values[i]).collect(),
-        steps,
-        dash: Dash::Solid,
-    }
-}
-
-fn dashed(trace: Trace) -> Trace {
-    Trace {
-        dash: Dash::Dashed,
-        ..trace
-    }
-}
-
-/// All panels above each other, with one time axis.
-fn plot(panels: &[Panel]) -> Plot {
-    let mut plot = Plot::new();
-    let count = panels.len().max(1);
-    let mut layout = Layout::new()
-        .height(PANEL * count + 80)
-        .hover_mode(HoverMode::X)
-        .margin(Margin::new().left(110).right(20).top(20).bottom(50))
-        .legend(
-            Legend::new()
-                .orientation(Orientation::Horizontal)
-                .y(1.0)
-                .y_anchor(plotly::common::Anchor::Bottom),
-        );
-    for (index, panel) in panels.iter().enumerate() {
-        let name = if index == 0 {
-            "y".to_owned()
-        } else {
-            format!("y{}", index + 1)
-        };
-        for trace in &panel.traces {
-            let mut line = Line::new().color(trace.color).width(1.5);
-            if trace.steps {
-                line = line.shape(LineShape::Hv);
-            }
-            line = match trace.dash {
-                Dash::Solid => line,
-                Dash::Dashed => line.dash(DashType::Dash),
-                Dash::Limit => line.dash(DashType::Dot).width(1.0),
-            };
-            let mut scatter = Scatter::new(trace.time.clone(), trace.values.clone())
-                .name(trace.name)
-                .mode(Mode::Lines)
-                .line(line)
-                .y_axis(&name);
-            if trace.dash == Dash::Limit {
-                scatter = scatter.hover_info(HoverInfo::Skip);
-            }
-            plot.add_trace(scatter);
-        }
-        let top = 1.0 - index as f64 / count as f64;
-        let height = 1.0 / count as f64;
-        let mut axis = Axis::new()
-            .title(Title::with_text(panel.title))
-            .domain(&[top - 0.88 * height, top])
-            .zero_line(false)
-            .range_mode(if panel.from_zero {
-                RangeMode::ToZero
-            } else {
-                RangeMode::Normal
-            })
-            .grid_color("#e5e7eb");
-        if !panel.ticks.is_empty() {
-            axis = axis
-                .tick_values(panel.ticks.iter().map(|(value, _)| *value as f64).collect())
-                .tick_text(panel.ticks.iter().map(|(_, name)| name.clone()).collect());
-        }
-        layout = match index {
-            0 => layout.y_axis(axis),
-            1 => layout.y_axis2(axis),
-            2 => layout.y_axis3(axis),
-            3 => layout.y_axis4(axis),
-            4 => layout.y_axis5(axis),
-            _ => layout.y_axis6(axis),
-        };
-    }
-    let anchor = if count == 1 {
-        "y".to_owned()
-    } else {
-        format!("y{count}")
-    };
-    layout = layout.x_axis(
-        Axis::new()
-            .title(Title::with_text("time [s]"))
-            .anchor(&anchor)
-            .grid_color("#e5e7eb"),
-    );
-    plot.set_layout(layout);
-    plot.set_configuration(Configuration::new().responsive(true).display_logo(false));
-    plot
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::outcome;
@@ -343,7 +193,7 @@ mod tests {
         let page = html(&outcome);
         assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
         assert!(page.contains("&lt;b&gt; with A") && page.contains("251.505"));
-        let own = page.replacen(&plotly(), "", 1);
+        let own = page.replacen(&script(), "", 1);
         assert!(own.len() < page.len() && !own.contains("http"));
         let data = page.rsplit("Plotly.newPlot").next().unwrap_or_default();
         assert!(

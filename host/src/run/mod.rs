@@ -29,7 +29,7 @@ use crate::input::setpoints::{AngleLimits, Setpoints, Table};
 use crate::input::{Pair, Place, Side};
 use master::Master;
 use plan::Plan;
-use recording::Recording;
+use recording::{Column, Recording};
 use score::Terms;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -203,6 +203,19 @@ impl<'a> Prepared<'a> {
             controller: self.controller.description(),
             plant: self.plant.description(),
         }
+    }
+
+    /// Simulated time of the run \[s\].
+    pub fn duration(&self) -> f64 {
+        self.steps as f64 * self.simulation.step
+    }
+
+    /// The columns that its recording will have.
+    pub fn columns(&self) -> Result<Vec<Column>, Error> {
+        let constant = Table::constant(0.0);
+        let table = self.table.as_ref().unwrap_or(&constant);
+        let plan = Plan::new(self.pair(), &self.wiring, table, self.simulation)?;
+        Ok(plan.columns)
     }
 
     /// Makes the run.

@@ -210,8 +210,8 @@ impl Summary {
     }
 }
 
-/// Six significant digits.
-fn number(value: f64) -> String {
+/// A number with six significant digits.
+pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

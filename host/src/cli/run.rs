@@ -1,0 +1,228 @@
+//! `flexarm run`.
+
+use clap::Args;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, Table};
+use host::experiment::execute::{Watch, execute};
+use host::experiment::verdict::{self, Row};
+use host::experiment::{Experiment, Run};
+use host::output::experiments::{ExperimentsFolder, Finished};
+use host::run::summary::number;
+use host::{Error, Outcome};
+use indicatif::ProgressBar;
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const EXAMPLES: &str = "\
+Examples:
+  One experiment, its table on the terminal:
+    flexarm run experiments/disturbance.toml
+  All of them, with samples, figures and one page:
+    flexarm run experiments/*.toml -o out/
+
+An experiment names two FMUs, what its runs have in common and how they differ, and may say which figures are expected:
+    title = \"How far may the mass be off?\"
+    [common]
+    controller = \"../dist/fmi3/FlexArmController.fmu\"    # relative to this file
+    plant = \"../dist/fmi3/FlexArmPlant.fmu\"
+    sequence = { every = 1.0, setpoints = [1.3, 1.1, 1.4] }
+    [[run]]
+    name = \"as known\"
+    [[run]]
+    name = \"heavier by a tenth\"
+    set = { \"plant:arm.inertia\" = 0.09 }
+    [[expect]]
+    name = \"what it costs\"
+    quantity = \"squared_error_rad2\"
+    of = [\"heavier by a tenth\"]
+    over = [\"as known\"]
+    at_most = 1.1
+experiments/README.md describes every key.
+
+The folder of -o gets index.html, figures/*.svg, and for each experiment a folder with experiment.json and a folder for each
+run (results.csv, summary.json). A run that ends before its time leaves *-partial.* there; the others go on.";
+
+/// Makes the runs of experiments that files describe and compares them with what is expected.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// Experiments (TOML).
+    #[arg(required = true, value_name = "EXPERIMENT")]
+    experiments: Vec<PathBuf>,
+    /// Folder for results, figures and the page.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Title of the page.
+    #[arg(long, value_name = "TEXT", default_value = "Experiments")]
+    title: String,
+    /// Runs at a time. Default: one for each processor.
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<usize>,
+}
+
+/// Draws the progress, notices an interrupt, writes runs as they end.
+struct Watcher<'a> {
+    bar: ProgressBar,
+    interrupted: &'a AtomicBool,
+    folder: Option<&'a ExperimentsFolder>,
+    failure: Mutex<Option<Error>>,
+}
+
+impl Watch for Watcher<'_> {
+    fn progress(&self, done: f64) -> ControlFlow<()> {
+        self.bar.set_position((done * 1000.0) as u64);
+        let failed = self.failure.lock().is_ok_and(|failure| failure.is_some());
+        if failed || self.interrupted.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn finished(&self, experiment: &Experiment, run: &Run, outcome: &Result<Outcome, Error>) {
+        if let Err(error) = outcome {
+            let message = format!("{}, {}: {error}", experiment.name, run.name);
+            self.bar.suspend(|| {
+                let _ = writeln!(io::stderr(), "{message}");
+            });
+        }
+        let written = self
+            .folder
+            .map_or(Ok(()), |f| f.write_run(experiment, run, outcome));
+        if let (Err(error), Ok(mut failure)) = (written, self.failure.lock()) {
+            *failure = Some(error);
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let experiments = read(&arguments.experiments)?;
+    let folder = arguments.output.as_deref();
+    let folder = folder.map(ExperimentsFolder::prepare).transpose()?;
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    let interrupted = super::watch_for_interrupts();
+    let watcher = Watcher {
+        bar: super::progress_bar(),
+        interrupted: &interrupted,
+        folder: folder.as_ref(),
+        failure: Mutex::new(None),
+    };
+    let outcomes = execute(&experiments, arguments.jobs.unwrap_or(available), &watcher);
+    watcher.bar.finish_and_clear();
+    if let Ok(Some(failure)) = watcher.failure.into_inner() {
+        return Err(failure);
+    }
+    let outcomes = outcomes?;
+    let rows: Vec<_> = experiments
+        .iter()
+        .zip(&outcomes)
+        .map(|(experiment, outcomes)| verdict::rows(experiment, outcomes))
+        .collect();
+    for ((experiment, outcomes), rows) in experiments.iter().zip(&outcomes).zip(&rows) {
+        super::print(&text(experiment, outcomes, rows))?;
+    }
+    if let Some(folder) = &folder {
+        let all = experiments.iter().zip(&outcomes).zip(&rows);
+        let all: Vec<_> = all
+            .map(|((experiment, outcomes), rows)| Finished {
+                experiment,
+                outcomes,
+                rows,
+            })
+            .collect();
+        let page = folder.write(&arguments.title, &all)?;
+        let _ = writeln!(io::stderr(), "page: {}", page.display());
+    }
+    Ok(if outcomes.iter().flatten().any(Result::is_err) {
+        ExitCode::from(1)
+    } else if rows.iter().flatten().any(|row| row.met == Some(false)) {
+        ExitCode::from(3)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// Reads all files; their names make folders, so they must differ.
+fn read(files: &[PathBuf]) -> Result<Vec<Experiment>, Error> {
+    let mut experiments: Vec<Experiment> = Vec::new();
+    for file in files {
+        let experiment = Experiment::read(file)?;
+        if let Some(other) = experiments.iter().find(|e| e.name == experiment.name) {
+            return Err(Error::Input(host::input::Error::Setting {
+                name: "EXPERIMENT".to_owned(),
+                value: file.display().to_string(),
+                expected: format!("a name that differs from that of {}", other.file.display()),
+            }));
+        }
+        experiments.push(experiment);
+    }
+    Ok(experiments)
+}
+
+/// Title and table of an experiment; without expectations the squared error of its runs.
+fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Row]) -> String {
+    let mut text = format!("{}\n", experiment.title);
+    for rows in rows.chunk_by(|a, b| a.table == b.table) {
+        let heading = rows.first().map_or("", |row| &row.table);
+        let mut table = table([
+            heading,
+            "quantity",
+            "paper",
+            "independent",
+            "ours",
+            "ours / paper",
+            "expected",
+        ]);
+        for row in rows {
+            let value = |value: Option<f64>| value.map_or("-".to_owned(), number);
+            let mark = match row.met {
+                Some(true) => "met: ",
+                Some(false) => "MISSED: ",
+                None => "",
+            };
+            table.add_row([
+                row.name.clone(),
+                row.quantity.clone(),
+                value(row.paper),
+                value(row.reference),
+                value(row.ours),
+                value(row.ratio),
+                format!("{mark}{}", row.admissible),
+            ]);
+        }
+        text.push_str(&format!("{}\n", table.trim_fmt()));
+    }
+    if rows.is_empty() {
+        let mut table = table(["run", "squared error [rad2]", "violations"]);
+        for (run, outcome) in experiment.runs.iter().zip(outcomes) {
+            let score = outcome.as_ref().ok().map(|outcome| &outcome.summary.score);
+            let error = score.and_then(|score| score.squared_error_rad2);
+            let violations = score.and_then(|score| score.violations);
+            table.add_row([
+                run.name.clone(),
+                error.map_or("-".to_owned(), number),
+                violations.map_or("-".to_owned(), |n| n.to_string()),
+            ]);
+        }
+        text.push_str(&format!("{}\n", table.trim_fmt()));
+    }
+    text.push('\n');
+    text
+}
+
+/// An empty table whose numbers are aligned.
+fn table<const N: usize>(header: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY).set_header(header);
+    let numbers = if N == 3 { 1..3 } else { 2..6 };
+    for index in numbers {
+        if let Some(column) = table.column_mut(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}

@@ -1,0 +1,223 @@
+//! Makes the runs of experiments, several at a time.
+
+use super::{Experiment, Figure, Run, Signal};
+use crate::fmu::{Fmu, similar};
+use crate::input::{self, Place};
+use crate::run::recording::Column;
+use crate::{Error, Outcome, Prepared};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+
+/// Who watches the runs, from several threads.
+pub trait Watch: Sync {
+    /// Told which share of all runs is done, from 0 to 1; may stop them. Must be quick.
+    fn progress(&self, done: f64) -> ControlFlow<()>;
+
+    /// A run of an experiment is over.
+    fn finished(&self, experiment: &Experiment, run: &Run, outcome: &Result<Outcome, Error>);
+}
+
+/// What the runs of one experiment come to, in their order.
+pub type Outcomes = Vec<Result<Outcome, Error>>;
+
+/// Makes all runs, `jobs` at a time, and returns what each comes to. One that fails leaves the others alone.
+///
+/// # Errors
+/// All that is wrong with what the user gave, before the first run begins; or that the user stopped.
+pub fn execute(
+    experiments: &[Experiment],
+    jobs: usize,
+    watch: &dyn Watch,
+) -> Result<Vec<Outcomes>, Error> {
+    let fmus = Fmus::open(experiments)?;
+    let mut prepared = Vec::new();
+    let mut mistakes = Vec::new();
+    for experiment in experiments {
+        let first = prepared.len();
+        for run in &experiment.runs {
+            let (controller, plant) = fmus.of(run)?;
+            match Prepared::new(&run.simulation, controller, plant) {
+                Ok(run) => prepared.push(run),
+                Err(Error::Input(mistake)) => mistakes.push(mistake),
+                Err(error) => return Err(error),
+            }
+        }
+        if mistakes.is_empty() {
+            mistakes.extend(unknown_columns(experiment, &prepared[first..])?);
+        }
+    }
+    match mistakes.len() {
+        0 => {}
+        1 => return Err(Error::Input(mistakes.remove(0))),
+        _ => return Err(Error::Input(input::Error::Several(mistakes))),
+    }
+    let runs = experiments
+        .iter()
+        .flat_map(|experiment| experiment.runs.iter().map(move |run| (experiment, run)));
+    let all: Vec<_> = runs
+        .zip(prepared)
+        .map(|((experiment, run), prepared)| Job {
+            experiment,
+            run,
+            duration: prepared.duration(),
+            prepared: Mutex::new(Some(prepared)),
+            done: Mutex::new(0.0),
+            outcome: Mutex::new(None),
+        })
+        .collect();
+    let outcomes = make(&all, jobs, watch)?;
+    let mut outcomes = outcomes.into_iter();
+    let of = |experiment: &Experiment| outcomes.by_ref().take(experiment.runs.len()).collect();
+    Ok(experiments.iter().map(of).collect())
+}
+
+/// The FMUs of all runs, each unpacked and loaded once.
+struct Fmus(BTreeMap<PathBuf, Fmu>);
+
+impl Fmus {
+    fn open(experiments: &[Experiment]) -> Result<Self, Error> {
+        let mut fmus = BTreeMap::new();
+        for run in experiments.iter().flat_map(|e| &e.runs) {
+            for path in [&run.simulation.controller, &run.simulation.plant] {
+                if !fmus.contains_key(path) {
+                    fmus.insert(path.clone(), Fmu::open(path)?);
+                }
+            }
+        }
+        Ok(Self(fmus))
+    }
+
+    fn of(&self, run: &Run) -> Result<(&Fmu, &Fmu), Error> {
+        let fmu = |path: &Path| match self.0.get(path) {
+            Some(fmu) => Ok(fmu),
+            // Not reached: `open` saw the same runs.
+            None => Err(Error::Input(input::Error::Read {
+                file: path.to_owned(),
+                source: std::io::ErrorKind::NotFound.into(),
+            })),
+        };
+        let simulation = &run.simulation;
+        Ok((fmu(&simulation.controller)?, fmu(&simulation.plant)?))
+    }
+}
+
+/// Signals of expectations and figures that the runs do not record.
+fn unknown_columns(
+    experiment: &Experiment,
+    prepared: &[Prepared<'_>],
+) -> Result<Vec<input::Error>, Error> {
+    let columns: Vec<Vec<Column>> = prepared
+        .iter()
+        .map(Prepared::columns)
+        .collect::<Result<_, _>>()?;
+    let mut mistakes = Vec::new();
+    let mut check = |run: usize, signal: &Signal, place: &Place| {
+        for name in signal.columns() {
+            let known = || columns[run].iter().map(|column| column.name.as_str());
+            if !known().any(|known| known == name) {
+                mistakes.push(input::Error::Column {
+                    place: place.clone(),
+                    name: name.to_owned(),
+                    similar: similar(name, known()),
+                    existing: known().map(str::to_owned).collect(),
+                });
+            }
+        }
+    };
+    for expectation in &experiment.expectations {
+        if let Some(signal) = expectation.quantity.signal() {
+            for &run in expectation.of.iter().chain(&expectation.over) {
+                check(run, signal, &expectation.place);
+            }
+        }
+    }
+    for Figure { panels, place, .. } in &experiment.figures {
+        for curve in panels.iter().flat_map(|panel| &panel.curves) {
+            check(curve.run, &curve.x, place);
+            check(curve.run, &curve.y, place);
+        }
+    }
+    mistakes.dedup_by_key(|mistake| mistake.to_string());
+    Ok(mistakes)
+}
+
+/// A run that is ready, and what it is part of.
+struct Job<'a> {
+    experiment: &'a Experiment,
+    run: &'a Run,
+    prepared: Mutex<Option<Prepared<'a>>>,
+    duration: f64,
+    /// How much of it is done \[s\].
+    done: Mutex<f64>,
+    outcome: Mutex<Option<Result<Outcome, Error>>>,
+}
+
+/// Makes all runs: `jobs` at a time, then one by one those that want to be alone.
+fn make(all: &[Job<'_>], jobs: usize, watch: &dyn Watch) -> Result<Outcomes, Error> {
+    let total: f64 = all.iter().map(|job| job.duration).sum();
+    let stopped = AtomicBool::new(false);
+    let progress = || {
+        let done = all
+            .iter()
+            .filter_map(|job| job.done.lock().ok().map(|d| *d));
+        watch.progress(done.sum::<f64>() / total)
+    };
+    let make_one = |job: &Job<'_>| {
+        let Some(prepared) = take(&job.prepared) else {
+            return;
+        };
+        let mut reported = 0.0;
+        let outcome = prepared.run(&mut |fraction| {
+            // Locks for every hundredth of a run only.
+            if fraction < 1.0 && fraction - reported < 0.01 {
+                return ControlFlow::Continue(());
+            }
+            reported = fraction;
+            if let Ok(mut done) = job.done.lock() {
+                *done = fraction * job.duration;
+            }
+            progress()
+        });
+        if matches!(outcome, Err(Error::Interrupted { .. })) {
+            stopped.store(true, Ordering::Relaxed);
+        }
+        watch.finished(job.experiment, job.run, &outcome);
+        if let Ok(mut slot) = job.outcome.lock() {
+            *slot = Some(outcome);
+        }
+    };
+    for (alone, threads) in [(false, jobs), (true, 1)] {
+        let queue: Vec<_> = all
+            .iter()
+            .filter(|job| job.experiment.alone == alone)
+            .collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some(job) = queue.get(next.fetch_add(1, Ordering::Relaxed))
+                && !stopped.load(Ordering::Relaxed)
+            {
+                make_one(job);
+            }
+        };
+        thread::scope(|scope| {
+            for _ in 0..threads.clamp(1, queue.len().max(1)) {
+                scope.spawn(work);
+            }
+        });
+    }
+    let outcomes = all.iter().map(|job| match take(&job.outcome) {
+        Some(Err(error @ Error::Interrupted { .. })) => Err(error),
+        Some(outcome) => Ok(outcome),
+        // A run that the end of another kept from beginning.
+        None => Err(Error::Interrupted { time: 0.0 }),
+    });
+    outcomes.collect()
+}
+
+fn take<T>(slot: &Mutex<Option<T>>) -> Option<T> {
+    slot.lock().ok()?.take()
+}

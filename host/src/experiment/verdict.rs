@@ -1,0 +1,98 @@
+//! Compares runs with what was expected of them.
+
+use super::{Expectation, Experiment};
+use crate::{Error, Outcome};
+use serde::{Deserialize, Serialize};
+
+/// A row of the experiment's table.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct Row {
+    /// Name of the row.
+    pub name: String,
+    /// Table that it belongs to. May be empty.
+    pub table: String,
+    /// What is measured.
+    pub quantity: String,
+    /// The published figure.
+    pub paper: Option<f64>,
+    /// A figure from an independent simulation.
+    pub reference: Option<f64>,
+    /// What the runs come to; None if one of them failed or does not offer the quantity.
+    pub ours: Option<f64>,
+    /// Ours divided by the paper's.
+    pub ratio: Option<f64>,
+    /// What is admissible, in words. Empty: the row is shown, not judged.
+    pub admissible: String,
+    /// Whether ours is; None: not judged.
+    pub met: Option<bool>,
+    /// What a reader should know about the row. May be empty.
+    pub note: String,
+}
+
+/// The rows of an experiment whose runs came to `outcomes`, in the order of its runs.
+pub fn rows(experiment: &Experiment, outcomes: &[Result<Outcome, Error>]) -> Vec<Row> {
+    let expectations = experiment.expectations.iter();
+    expectations.map(|e| row(e, outcomes)).collect()
+}
+
+fn row(expectation: &Expectation, outcomes: &[Result<Outcome, Error>]) -> Row {
+    let Expectation {
+        quantity,
+        paper,
+        reference,
+        ..
+    } = expectation;
+    let number = |runs: &[usize]| {
+        let values: Option<Vec<_>> = runs
+            .iter()
+            .map(|&run| quantity.of(outcomes.get(run)?.as_ref().ok()?))
+            .collect();
+        expectation.combine.of(&values?)
+    };
+    let ours = number(&expectation.of).and_then(|value| {
+        if expectation.over.is_empty() {
+            Some(value)
+        } else {
+            Some(value / number(&expectation.over)?)
+        }
+    });
+    let mut admissible = Vec::new();
+    let mut met = true;
+    let mut judge = |text: String, holds: &dyn Fn(f64) -> bool| {
+        admissible.push(text);
+        met &= ours.is_some_and(holds);
+    };
+    let about = reference.map(|value| (value, "reference"));
+    let about = about.or(paper.map(|value| (value, "paper")));
+    if let (Some(tolerance), Some((value, name))) = (expectation.tolerance, about) {
+        let holds = |ours: f64| (ours - value).abs() <= tolerance * value.abs();
+        judge(format!("{name} ± {}", percent(tolerance)), &holds);
+    }
+    if let (Some(tolerance), Some(value)) = (expectation.paper_tolerance, *paper) {
+        let holds = |ours: f64| (ours - value).abs() <= tolerance * value.abs();
+        judge(format!("paper ± {}", percent(tolerance)), &holds);
+    }
+    if let Some(least) = expectation.at_least {
+        judge(format!("≥ {least}"), &|ours| ours >= least);
+    }
+    if let Some(most) = expectation.at_most {
+        judge(format!("≤ {most}"), &|ours| ours <= most);
+    }
+    Row {
+        name: expectation.name.clone(),
+        table: expectation.table.clone(),
+        quantity: quantity.to_string(),
+        paper: *paper,
+        reference: *reference,
+        ours,
+        ratio: ours.zip(*paper).map(|(ours, paper)| ours / paper),
+        met: (!admissible.is_empty()).then_some(met),
+        admissible: admissible.join(", "),
+        note: expectation.note.clone(),
+    }
+}
+
+/// Like "1 %".
+fn percent(share: f64) -> String {
+    format!("{} %", crate::fmu::short(100.0 * share))
+}

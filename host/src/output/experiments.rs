@@ -1,0 +1,156 @@
+//! Writes experiments to a folder:
+//!
+//! ```text
+//! index.html                         tables and figures of all experiments, offline
+//! figures/EXPERIMENT-FIGURE.svg      every figure
+//! EXPERIMENT/experiment.json         table and runs, for scripts
+//! EXPERIMENT/RUN/results.csv, summary.json, and log.txt if an FMU logs
+//! ```
+//!
+//! A run is written as soon as it is done; the rest when all are. Files appear whole or not at all.
+
+use super::figures::chart;
+use super::{OutputFolder, page};
+use crate::experiment::verdict::Row;
+use crate::experiment::{Experiment, Run};
+use crate::run::summary::Summary;
+use crate::{Error, Outcome};
+use serde::Serialize;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A folder that will hold experiments.
+#[derive(Debug)]
+pub struct ExperimentsFolder {
+    path: PathBuf,
+}
+
+/// An experiment whose runs are over.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished<'a> {
+    /// What was to run.
+    pub experiment: &'a Experiment,
+    /// What its runs came to, in their order.
+    pub outcomes: &'a [Result<Outcome, Error>],
+    /// The rows of its table.
+    pub rows: &'a [Row],
+}
+
+/// `experiment.json`.
+#[derive(Serialize)]
+struct Json<'a> {
+    name: &'a str,
+    title: &'a str,
+    source: &'a str,
+    runs: Vec<RunJson<'a>>,
+    table: &'a [Row],
+}
+
+#[derive(Serialize)]
+struct RunJson<'a> {
+    name: &'a str,
+    folder: &'a str,
+    summary: Option<&'a Summary>,
+    error: Option<String>,
+}
+
+impl ExperimentsFolder {
+    /// Makes the folder.
+    pub fn prepare(path: &Path) -> Result<Self, Error> {
+        fs::create_dir_all(path).map_err(|source| Error::OutputFolder {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+        })
+    }
+
+    /// Writes the samples of a run, partial ones too.
+    pub fn write_run(
+        &self,
+        experiment: &Experiment,
+        run: &Run,
+        outcome: &Result<Outcome, Error>,
+    ) -> Result<(), Error> {
+        let outcome = match outcome {
+            Ok(outcome) => outcome,
+            Err(Error::Stopped { partial, .. }) => partial,
+            Err(_) => return Ok(()),
+        };
+        let folder = self.path.join(&experiment.name).join(&run.folder);
+        OutputFolder::prepare(&folder)?.write_samples(outcome)
+    }
+
+    /// Writes tables, figures and the page, and returns the path of the page.
+    pub fn write(&self, title: &str, experiments: &[Finished<'_>]) -> Result<PathBuf, Error> {
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |source| Error::Output { path, source }
+        };
+        for finished in experiments {
+            let experiment = finished.experiment;
+            let file = self.path.join(&experiment.name).join("experiment.json");
+            let mut json = serde_json::to_string_pretty(&json(finished))
+                .map_err(|error| failed(&file)(error.into()))?;
+            json.push('\n');
+            write_whole(&file, json.as_bytes()).map_err(failed(&file))?;
+            for figure in &experiment.figures {
+                let file = self.path.join(svg_path(experiment, &figure.name));
+                let svg = chart(figure, finished.outcomes).svg();
+                let svg = svg.map_err(|error| failed(&file)(io::Error::other(error)))?;
+                write_whole(&file, svg.as_bytes()).map_err(failed(&file))?;
+            }
+        }
+        let file = self.path.join("index.html");
+        write_whole(&file, page::html(title, experiments).as_bytes()).map_err(failed(&file))?;
+        Ok(file)
+    }
+}
+
+/// Where a figure is, from the page.
+pub(super) fn svg_path(experiment: &Experiment, figure: &str) -> String {
+    format!("figures/{}-{figure}.svg", experiment.name)
+}
+
+fn json<'a>(finished: &Finished<'a>) -> Json<'a> {
+    let Finished {
+        experiment,
+        outcomes,
+        rows,
+    } = *finished;
+    let runs = experiment.runs.iter().zip(outcomes);
+    Json {
+        name: &experiment.name,
+        title: &experiment.title,
+        source: &experiment.source,
+        runs: runs
+            .map(|(run, outcome)| RunJson {
+                name: &run.name,
+                folder: &run.folder,
+                summary: outcome.as_ref().ok().map(|outcome| &outcome.summary),
+                error: outcome.as_ref().err().map(ToString::to_string),
+            })
+            .collect(),
+        table: rows,
+    }
+}
+
+/// Replaces a file, which never is there in part.
+fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let mut file = tempfile::Builder::new()
+        .prefix(".flexarm-")
+        .tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    // Temporary files are the owner's alone; this one is for every reader.
+    #[cfg(unix)]
+    fs::set_permissions(
+        file.path(),
+        std::os::unix::fs::PermissionsExt::from_mode(0o644),
+    )?;
+    file.persist(path)?;
+    Ok(())
+}

@@ -1,0 +1,178 @@
+//! The page of experiments: tables as paper, reference, ours; figures interactive, and as SVG in print.
+
+use super::chart::{escape, script};
+use super::experiments::{Finished, svg_path};
+use super::figures::chart;
+use crate::experiment::verdict::Row;
+use crate::run::summary::number;
+use std::fmt::Write;
+
+/// Height of a panel \[px\].
+const PANEL: usize = 240;
+
+const HEAD: &str = r#"<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<style>
+body { font: 15px/1.55 system-ui, sans-serif; color: #1f2933; background: #fff; max-width: 1000px; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.25rem; margin-top: 3rem; border-top: 1px solid #e5e7eb; padding-top: 1.2rem; }
+h3 { font-size: 1rem; margin: 1.6rem 0 .4rem; }
+.source, figcaption, .note { color: #52606d; }
+table { border-collapse: collapse; margin: .4rem 0 1rem; }
+th, td { padding: .2rem .8rem; border-bottom: 1px solid #e5e7eb; text-align: right; font-variant-numeric: tabular-nums; vertical-align: top; }
+th { font-weight: 600; color: #52606d; }
+th:first-child, td:first-child, td.text, th.text { text-align: left; }
+td.met { color: #2f855a; } td.missed, .missed { color: #c0392b; font-weight: 600; }
+figure { margin: 1.5rem 0; break-inside: avoid; } figcaption { font-size: .95em; }
+figure img { display: none; max-width: 100%; }
+nav li { margin: .1rem 0; }
+@media print { .interactive { display: none; } figure img { display: block; } nav { display: none; } body { max-width: none; } }
+</style>
+"#;
+
+/// The page.
+pub(super) fn html(title: &str, experiments: &[Finished<'_>]) -> String {
+    let mut page = String::from(HEAD);
+    // Formatting to a String cannot fail.
+    let _ = writeln!(
+        page,
+        "<title>{0}</title>\n{1}</head>\n<body>\n<h1>{0}</h1>",
+        escape(title),
+        script()
+    );
+    let rows = || experiments.iter().flat_map(|finished| finished.rows);
+    let judged = rows().filter(|row| row.met.is_some()).count();
+    let missed = rows().filter(|row| row.met == Some(false)).count();
+    let _ = writeln!(
+        page,
+        "<p>{judged} expected figures, {}.</p>\n<nav><ul>",
+        match missed {
+            0 => "all met".to_owned(),
+            missed => format!("<span class=\"missed\">{missed} missed</span>"),
+        }
+    );
+    for Finished { experiment, .. } in experiments {
+        let (id, title) = (escape(&experiment.name), escape(&experiment.title));
+        let source = escape(&experiment.source);
+        let _ = writeln!(
+            page,
+            "<li><a href=\"#{id}\">{title}</a> <span class=\"source\">{source}</span></li>"
+        );
+    }
+    page.push_str("</ul></nav>\n");
+    for finished in experiments {
+        section(&mut page, finished);
+    }
+    page.push_str("</body>\n</html>\n");
+    page
+}
+
+fn section(page: &mut String, finished: &Finished<'_>) {
+    let experiment = finished.experiment;
+    let _ = writeln!(
+        page,
+        "<h2 id=\"{}\">{}</h2>\n<p class=\"source\">{}</p>",
+        escape(&experiment.name),
+        escape(&experiment.title),
+        escape(&experiment.source)
+    );
+    for paragraph in experiment.description.split("\n\n") {
+        if !paragraph.trim().is_empty() {
+            let _ = writeln!(page, "<p>{}</p>", escape(paragraph.trim()));
+        }
+    }
+    for (run, outcome) in experiment.runs.iter().zip(finished.outcomes) {
+        if let Err(error) = outcome {
+            let _ = writeln!(
+                page,
+                "<p class=\"missed\">{} failed: {}</p>",
+                escape(&run.name),
+                escape(&error.to_string())
+            );
+        }
+    }
+    for table in finished.rows.chunk_by(|a, b| a.table == b.table) {
+        rows(page, table);
+    }
+    for figure in &experiment.figures {
+        let chart = chart(figure, finished.outcomes);
+        let id = format!("{}-{}", experiment.name, figure.name);
+        let _ = writeln!(
+            page,
+            "<figure>\n<div class=\"interactive\">{}</div>\n<img src=\"{svg}\" alt=\"{title}\">\n\
+             <figcaption>{title} (<a href=\"{svg}\">SVG</a>)</figcaption>\n</figure>",
+            chart.interactive(&id, PANEL),
+            svg = escape(&svg_path(experiment, &figure.name)),
+            title = escape(&figure.title)
+        );
+    }
+}
+
+/// One table. Columns that no row fills are left out.
+fn rows(page: &mut String, rows: &[Row]) {
+    let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
+    let columns: [(&str, bool, &dyn Fn(&Row) -> Option<f64>); 4] = [
+        ("paper", any(&|r| r.paper.is_some()), &|r| r.paper),
+        ("independent", any(&|r| r.reference.is_some()), &|r| {
+            r.reference
+        }),
+        ("ours", true, &|r| r.ours),
+        ("ours / paper", any(&|r| r.ratio.is_some()), &|r| r.ratio),
+    ];
+    let judged = any(&|r| r.met.is_some());
+    let noted = any(&|r| !r.note.is_empty());
+    if let Some(name) = rows.first().map(|row| &row.table).filter(|n| !n.is_empty()) {
+        let _ = writeln!(page, "<h3>{}</h3>", escape(name));
+    }
+    page.push_str("<table>\n<tr><th></th><th class=\"text\">quantity</th>");
+    for (name, shown, _) in &columns {
+        if *shown {
+            let _ = write!(page, "<th>{name}</th>");
+        }
+    }
+    if judged {
+        page.push_str("<th class=\"text\">expected</th>");
+    }
+    if noted {
+        page.push_str("<th class=\"text\">note</th>");
+    }
+    page.push_str("</tr>\n");
+    for row in rows {
+        let quantity = escape(&row.quantity);
+        let _ = write!(
+            page,
+            "<tr><td>{}</td><td class=\"text\">{quantity}</td>",
+            escape(&row.name)
+        );
+        for (_, shown, value) in &columns {
+            if *shown {
+                let text = value(row).map_or("–".to_owned(), number);
+                let _ = write!(page, "<td>{text}</td>");
+            }
+        }
+        if judged {
+            let class = match row.met {
+                Some(true) => "met",
+                Some(false) => "missed",
+                None => "",
+            };
+            let mark = match row.met {
+                Some(true) => "✓ ",
+                Some(false) => "missed: ",
+                None => "",
+            };
+            let _ = write!(
+                page,
+                "<td class=\"text {class}\">{mark}{}</td>",
+                escape(&row.admissible)
+            );
+        }
+        if noted {
+            let _ = write!(page, "<td class=\"text note\">{}</td>", escape(&row.note));
+        }
+        page.push_str("</tr>\n");
+    }
+    page.push_str("</table>\n");
+}
