@@ -13,6 +13,7 @@ mod page;
 mod parameters;
 mod platform;
 mod plot;
+mod reproduce;
 mod test;
 mod workspace;
 
@@ -44,6 +45,11 @@ enum Command {
     /// The report is dist/demo/report.html, the result beside it; packaging/assets/tflex-setpoints.csv
     /// holds the setpoints.
     Demo,
+    /// Package, then rerun every experiment of the paper and compare
+    ///
+    /// The experiments are experiments/*.toml; tables and figures, paper beside ours, are in
+    /// dist/paper/index.html. Fails if a figure is not as expected.
+    Reproduce,
     /// Run all tests: Rust, packaging, and independent FMI tools in Python
     ///
     /// Makes a Python environment in target/venv with what tests/requirements.txt pins. Stops at the
@@ -60,6 +66,7 @@ fn main() -> ExitCode {
     let done = Workspace::find().and_then(|workspace| match arguments.command {
         Command::Package => package::run(&workspace),
         Command::Demo => demo::run(&workspace),
+        Command::Reproduce => reproduce::run(&workspace),
         Command::Test { pytest } => test::run(&workspace, &pytest),
     });
     match done {

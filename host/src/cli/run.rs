@@ -186,7 +186,7 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
             };
             table.add_row([
                 row.name.clone(),
-                row.quantity.clone(),
+                row.quantity_with_unit(),
                 value(row.paper),
                 value(row.reference),
                 value(row.ours),

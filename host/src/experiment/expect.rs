@@ -45,6 +45,10 @@ pub struct Expectation {
     pub over: Vec<usize>,
     /// How several runs become one number.
     pub combine: Combine,
+    /// Factor of the number, for units that read well.
+    pub factor: f64,
+    /// Unit of the number. May be empty.
+    pub unit: String,
     /// The published figure.
     pub paper: Option<f64>,
     /// A figure from an independent simulation.

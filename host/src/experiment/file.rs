@@ -8,6 +8,7 @@ use super::{
 use crate::input::parameters::{Assignment, ParameterFile};
 use crate::input::setpoints::Setpoints;
 use crate::input::{Error, Place, read_text};
+use crate::output::PANELS;
 use crate::{Order, Simulation};
 use serde::Deserialize;
 use std::path::Path;
@@ -20,6 +21,8 @@ struct File {
     source: String,
     #[serde(default)]
     description: String,
+    #[serde(default)]
+    see: Vec<See>,
     #[serde(default)]
     alone: bool,
     #[serde(default)]
@@ -52,6 +55,14 @@ struct Entry {
     record: Option<usize>,
 }
 
+/// A link on the page.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct See {
+    title: String,
+    path: String,
+}
+
 /// Rows of time and values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -80,6 +91,10 @@ struct ExpectationEntry {
     over: Vec<String>,
     #[serde(default)]
     combine: Combine,
+    #[serde(default = "one")]
+    factor: f64,
+    #[serde(default)]
+    unit: String,
     paper: Option<f64>,
     reference: Option<f64>,
     tolerance: Option<f64>,
@@ -161,6 +176,11 @@ impl Experiment {
             title: file.title,
             source: file.source,
             description: file.description,
+            see: file
+                .see
+                .into_iter()
+                .map(|see| (see.title, see.path))
+                .collect(),
             alone: file.alone,
             runs,
         };
@@ -428,6 +448,12 @@ fn expectation(
             return Err(mistake(place(key), message));
         }
     }
+    if !entry.factor.is_finite() || entry.factor == 0.0 {
+        return Err(mistake(
+            place("factor"),
+            "factor must be a finite number and not 0",
+        ));
+    }
     if entry.tolerance.is_some() && entry.paper.is_none() && entry.reference.is_none() {
         let message = "a tolerance needs the figure that it is about: reference or paper";
         return Err(mistake(place("tolerance"), message));
@@ -444,6 +470,8 @@ fn expectation(
         name: entry.name.clone(),
         table: entry.table.clone(),
         combine: entry.combine,
+        factor: entry.factor,
+        unit: entry.unit.clone(),
         paper: entry.paper,
         reference: entry.reference,
         tolerance: entry.tolerance,
@@ -465,6 +493,15 @@ fn figure(
     let place = lines.place(&["figure", &index, "name"]);
     if entry.name != folder_name(&entry.name) {
         let message = "the name of a figure names its file: only letters, digits, '.', '-' and '_'";
+        return Err(mistake(place, message));
+    }
+    // A frequency response has a second panel for the phase.
+    let most = match entry.kind {
+        FigureKind::Signals => PANELS,
+        FigureKind::FrequencyResponse => PANELS / 2,
+    };
+    if !(1..=most).contains(&entry.panel.len()) {
+        let message = format!("a figure like this has 1 to {most} panels");
         return Err(mistake(place, message));
     }
     let mut panels = Vec::new();

@@ -37,6 +37,8 @@ pub struct Experiment {
     pub source: String,
     /// What it is for, in paragraphs of plain text.
     pub description: String,
+    /// What else there is to read: title and path from the page.
+    pub see: Vec<(String, String)>,
     /// Whether its runs are made one at a time, after all others: where it measures wall-clock times.
     pub alone: bool,
     /// The runs, each with every variant.

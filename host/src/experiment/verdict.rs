@@ -13,6 +13,8 @@ pub struct Row {
     pub table: String,
     /// What is measured.
     pub quantity: String,
+    /// Unit of the figures. May be empty.
+    pub unit: String,
     /// The published figure.
     pub paper: Option<f64>,
     /// A figure from an independent simulation.
@@ -27,6 +29,17 @@ pub struct Row {
     pub met: Option<bool>,
     /// What a reader should know about the row. May be empty.
     pub note: String,
+}
+
+impl Row {
+    /// Like "max(plant.angle) [rad]".
+    pub fn quantity_with_unit(&self) -> String {
+        let Self { quantity, unit, .. } = self;
+        match unit.as_str() {
+            "" => quantity.clone(),
+            unit => format!("{quantity} [{unit}]"),
+        }
+    }
 }
 
 /// The rows of an experiment whose runs came to `outcomes`, in the order of its runs.
@@ -56,6 +69,7 @@ fn row(expectation: &Expectation, outcomes: &[Result<Outcome, Error>]) -> Row {
             Some(value / number(&expectation.over)?)
         }
     });
+    let ours = ours.map(|value| expectation.factor * value);
     let mut admissible = Vec::new();
     let mut met = true;
     let mut judge = |text: String, holds: &dyn Fn(f64) -> bool| {
@@ -82,6 +96,7 @@ fn row(expectation: &Expectation, outcomes: &[Result<Outcome, Error>]) -> Row {
         name: expectation.name.clone(),
         table: expectation.table.clone(),
         quantity: quantity.to_string(),
+        unit: expectation.unit.clone(),
         paper: *paper,
         reference: *reference,
         ours,

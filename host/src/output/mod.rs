@@ -12,6 +12,8 @@ mod page;
 mod report;
 mod svg;
 
+pub(crate) use chart::PANELS;
+
 use crate::Error;
 use crate::run::Outcome;
 use crate::run::recording::Recording;

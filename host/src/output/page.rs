@@ -83,6 +83,14 @@ fn section(page: &mut String, finished: &Finished<'_>) {
             let _ = writeln!(page, "<p>{}</p>", escape(paragraph.trim()));
         }
     }
+    for (title, path) in &experiment.see {
+        let _ = writeln!(
+            page,
+            "<p>See also <a href=\"{}\">{}</a>.</p>",
+            escape(path),
+            escape(title)
+        );
+    }
     for (run, outcome) in experiment.runs.iter().zip(finished.outcomes) {
         if let Err(error) = outcome {
             let _ = writeln!(
@@ -140,7 +148,7 @@ fn rows(page: &mut String, rows: &[Row]) {
     }
     page.push_str("</tr>\n");
     for row in rows {
-        let quantity = escape(&row.quantity);
+        let quantity = escape(&row.quantity_with_unit());
         let _ = write!(
             page,
             "<tr><td>{}</td><td class=\"text\">{quantity}</td>",

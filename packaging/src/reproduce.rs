@@ -1,0 +1,39 @@
+//! `cargo xtask reproduce`: the paper's experiments from the packaged FMUs.
+
+use crate::workspace::{Workspace, announce};
+use crate::{cargo, package};
+
+/// The experiments in the order of the paper.
+const EXPERIMENTS: [&str; 6] = [
+    "angle-torque",
+    "feedback-response",
+    "tracking-tflex",
+    "tracking-pendulum",
+    "disturbance",
+    "solve-time",
+];
+const TITLE: &str = "MPC design for a precision, flexure based, pendulum: every experiment, rerun";
+/// Where tables and figures go.
+const PAPER: &str = "dist/paper";
+/// What `flexarm run` exits with if all runs are done, but not all figures as expected.
+const MISSED: i32 = 3;
+
+/// Packages, makes all runs and says where the page is.
+pub fn run(workspace: &Workspace) -> Result<(), String> {
+    package::run(workspace)?;
+    let host = cargo::host(workspace)?;
+    announce("Rerunning the paper's experiments from the packaged FMUs (FMI 3.0)");
+    let mut command = workspace.command(&host);
+    command.args(["run", "-o", PAPER, "--title", TITLE]);
+    command.args(EXPERIMENTS.map(|name| format!("experiments/{name}.toml")));
+    let status = command
+        .status()
+        .map_err(|error| format!("flexarm: {error}"))?;
+    match status.code() {
+        Some(0) => Ok(()),
+        Some(MISSED) => Err(format!(
+            "not all figures are as expected: see {PAPER}/index.html"
+        )),
+        _ => Err(format!("`flexarm run` failed: {status}")),
+    }
+}
