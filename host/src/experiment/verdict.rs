@@ -32,7 +32,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Like "max(plant.angle) [rad]".
+    /// Like `max(plant.angle) [rad]`.
     pub fn quantity_with_unit(&self) -> String {
         let Self { quantity, unit, .. } = self;
         match unit.as_str() {

@@ -118,10 +118,13 @@ fn section(page: &mut String, finished: &Finished<'_>) {
     }
 }
 
+/// Title of a column, whether it is shown, its figure in a row.
+type Column<'a> = (&'a str, bool, &'a dyn Fn(&Row) -> Option<f64>);
+
 /// One table. Columns that no row fills are left out.
 fn rows(page: &mut String, rows: &[Row]) {
     let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
-    let columns: [(&str, bool, &dyn Fn(&Row) -> Option<f64>); 4] = [
+    let columns: [Column<'_>; 4] = [
         ("paper", any(&|r| r.paper.is_some()), &|r| r.paper),
         ("independent", any(&|r| r.reference.is_some()), &|r| {
             r.reference

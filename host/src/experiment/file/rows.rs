@@ -1,0 +1,135 @@
+//! Expected figures and figures to draw, with the runs that they name.
+
+use super::super::lines::Lines;
+use super::super::{Curve, Expectation, Figure, FigureKind, Panel, Run, Signal, folder_name};
+use super::{ExpectationEntry, FigureEntry, mistake};
+use crate::input::{Error, Place};
+use crate::output::PANELS;
+
+/// Position of the run of a name.
+fn position(name: &str, runs: &[Run], place: Place) -> Result<usize, Error> {
+    let found = runs.iter().position(|run| run.name == name);
+    found.ok_or_else(|| {
+        let names: Vec<_> = runs.iter().map(|run| format!("{:?}", run.name)).collect();
+        mistake(
+            place,
+            format!("there is no run {name:?}; there are: {}", names.join(", ")),
+        )
+    })
+}
+
+pub(super) fn expectation(
+    entry: &ExpectationEntry,
+    lines: &Lines<'_>,
+    index: usize,
+    runs: &[Run],
+) -> Result<Expectation, Error> {
+    let index = index.to_string();
+    let place = |key: &str| lines.place(&["expect", &index, key]);
+    let positions = |key: &str, names: &[String]| -> Result<Vec<usize>, Error> {
+        let names = names.iter();
+        names.map(|name| position(name, runs, place(key))).collect()
+    };
+    let quantity = entry.quantity.parse();
+    let limits = [
+        ("tolerance", entry.tolerance),
+        ("paper_tolerance", entry.paper_tolerance),
+    ];
+    for (key, tolerance) in limits {
+        if tolerance.is_some_and(|t| !(t.is_finite() && t >= 0.0)) {
+            let message = format!("{key} must be a relative deviation, 0 or more");
+            return Err(mistake(place(key), message));
+        }
+    }
+    if !entry.factor.is_finite() || entry.factor == 0.0 {
+        return Err(mistake(
+            place("factor"),
+            "factor must be a finite number and not 0",
+        ));
+    }
+    if entry.tolerance.is_some() && entry.paper.is_none() && entry.reference.is_none() {
+        let message = "a tolerance needs the figure that it is about: reference or paper";
+        return Err(mistake(place("tolerance"), message));
+    }
+    if entry.paper_tolerance.is_some() && entry.paper.is_none() {
+        let message = "paper_tolerance needs the figure paper";
+        return Err(mistake(place("paper_tolerance"), message));
+    }
+    let of = entry.of.clone().unwrap_or_else(|| vec![entry.name.clone()]);
+    Ok(Expectation {
+        of: positions("of", &of)?,
+        over: positions("over", &entry.over)?,
+        quantity: quantity.map_err(|message| mistake(place("quantity"), message))?,
+        name: entry.name.clone(),
+        table: entry.table.clone(),
+        combine: entry.combine,
+        factor: entry.factor,
+        unit: entry.unit.clone(),
+        paper: entry.paper,
+        reference: entry.reference,
+        tolerance: entry.tolerance,
+        paper_tolerance: entry.paper_tolerance,
+        at_least: entry.at_least,
+        at_most: entry.at_most,
+        note: entry.note.clone(),
+        place: place("quantity"),
+    })
+}
+
+pub(super) fn figure(
+    entry: &FigureEntry,
+    lines: &Lines<'_>,
+    index: usize,
+    runs: &[Run],
+) -> Result<Figure, Error> {
+    let index = index.to_string();
+    let place = lines.place(&["figure", &index, "name"]);
+    if entry.name != folder_name(&entry.name) {
+        let message = "the name of a figure names its file: only letters, digits, '.', '-' and '_'";
+        return Err(mistake(place, message));
+    }
+    // A frequency response has a second panel for the phase.
+    let most = match entry.kind {
+        FigureKind::Signals => PANELS,
+        FigureKind::FrequencyResponse => PANELS / 2,
+    };
+    if !(1..=most).contains(&entry.panel.len()) {
+        let message = format!("a figure like this has 1 to {most} panels");
+        return Err(mistake(place, message));
+    }
+    let mut panels = Vec::new();
+    for (i, panel) in entry.panel.iter().enumerate() {
+        let mut curves = Vec::new();
+        for (j, curve) in panel.curves.iter().enumerate() {
+            let [i, j] = [i.to_string(), j.to_string()];
+            let keys = ["figure", &index, "panel", &i, "curves", &j];
+            let Ok(y) = curve.y.parse::<Signal>();
+            let Ok(x) = curve.x.as_deref().unwrap_or("time").parse::<Signal>();
+            curves.push(Curve {
+                run: position(&curve.run, runs, lines.place(&keys))?,
+                y,
+                x,
+                factor: curve.factor,
+                name: curve.name.clone(),
+                style: curve.style,
+            });
+        }
+        panels.push(Panel {
+            axis: panel.axis.clone(),
+            curves,
+        });
+    }
+    let axis = || match entry.kind {
+        FigureKind::Signals => "time [s]".to_owned(),
+        FigureKind::FrequencyResponse => "frequency [Hz]".to_owned(),
+    };
+    Ok(Figure {
+        name: entry.name.clone(),
+        title: entry.title.clone(),
+        kind: entry.kind,
+        range: [entry.from, entry.until],
+        axis: entry.axis.clone().unwrap_or_else(axis),
+        panels,
+        place,
+    })
+}

@@ -1,0 +1,70 @@
+"""The paper's experiments from the packaged FMUs, as `cargo xtask reproduce` runs them."""
+
+import json
+import subprocess
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+
+FILES = sorted((ROOT / "experiments").glob("*.toml"))
+
+
+def run(flexarm: Path, *arguments) -> subprocess.CompletedProcess:
+    command = [str(argument) for argument in (flexarm, "run", *arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def paper(flexarm, tmp_path_factory) -> Path:
+    """The folder of a run of all experiments."""
+    out = tmp_path_factory.mktemp("paper")
+    done = run(flexarm, *FILES, "-o", out, "--title", "All of <them>")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_figures_are_as_expected(paper, file):
+    experiment = json.loads((paper / file.stem / "experiment.json").read_text())
+    assert all(run["error"] is None for run in experiment["runs"])
+    judged = [row for row in experiment["table"] if row["met"] is not None]
+    assert judged, "nothing is expected"
+    for row in judged:
+        print(f"{row['name']}: {row['ours']} ({row['admissible']})")
+        assert row["met"], row
+    for run_ in experiment["runs"]:
+        folder = paper / file.stem / run_["folder"]
+        header = (folder / "results.csv").open().readline()
+        assert header.startswith("time,setpoint,")
+        assert json.loads((folder / "summary.json").read_text()) == run_["summary"]
+
+
+def test_every_figure_is_an_image_and_on_the_page(paper):
+    page = (paper / "index.html").read_text()
+    assert "<h1>All of &lt;them&gt;</h1>" in page and "all met" in page
+    figures = sorted((paper / "figures").glob("*.svg"))
+    assert len(figures) >= 14
+    for figure in figures:
+        root = ET.parse(figure).getroot()
+        curves = [e for e in root.iter() if e.tag.rpartition("}")[2] in ("polyline", "circle")]
+        assert len(curves) > 2, figure.name
+        assert f'<img src="figures/{figure.name}"' in page
+
+
+def test_one_thing_changed_is_another_result(flexarm, tmp_path, paper):
+    """What the files are for: the arm a tenth heavier in table 3."""
+    text = (ROOT / "experiments" / "disturbance.toml").read_text()
+    text = text.replace('"../dist/', f'"{ROOT}/dist/').replace("=../dist/", f"={ROOT}/dist/")
+    changed = text.replace("[common.set]", '[common.set]\n"plant:arm.inertia" = 1.1')
+    assert changed != text
+    file = tmp_path / "disturbance.toml"
+    file.write_text(changed)
+    done = run(flexarm, file, "-o", tmp_path / "out")
+    assert done.returncode in (0, 3), done.stderr
+    ours = json.loads((tmp_path / "out" / "disturbance" / "experiment.json").read_text())
+    paper_ = json.loads((paper / "disturbance" / "experiment.json").read_text())
+    pairs = zip(ours["table"], paper_["table"], strict=True)
+    assert all(abs(a["ours"] / b["ours"] - 1) > 1e-3 for a, b in pairs)
