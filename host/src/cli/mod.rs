@@ -8,7 +8,6 @@ use clap::{Parser, Subcommand};
 use host::Error;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,18 +36,18 @@ Exit codes: 0 done; 1 the run failed or its result could not be written; 2 wrong
 values that an FMU refuses before the first step and a folder for -o that cannot be used; 3 all runs of
 `flexarm run` are done, but not all figures are as expected. Messages go to standard error.";
 
-/// Carries out a command.
-pub(crate) fn carry_out(arguments: Arguments) -> ExitCode {
+/// Carries out a command and returns the exit code.
+pub(crate) fn carry_out(arguments: Arguments) -> u8 {
     let result = match arguments.command {
-        Command::Simulate(arguments) => simulate::run(*arguments).map(|()| ExitCode::SUCCESS),
+        Command::Simulate(arguments) => simulate::run(*arguments).map(|()| 0),
         Command::Run(arguments) => run::run(&arguments),
-        Command::Inspect(arguments) => inspect::run(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Inspect(arguments) => inspect::run(&arguments).map(|()| 0),
     };
     match result {
         Ok(code) => code,
         Err(error) => {
             let _ = writeln!(io::stderr(), "error: {error}");
-            ExitCode::from(if error.is_input() { 2 } else { 1 })
+            if error.is_input() { 2 } else { 1 }
         }
     }
 }
