@@ -8,8 +8,9 @@ use std::ops::Range;
 /// Width of a chart and height of a panel \[px\].
 const WIDTH: u32 = 900;
 const PANEL: u32 = 250;
-/// Width of the legend in shares of the lower axis.
-const LEGEND: f64 = 0.24;
+/// Width of a letter of the legend, and of what is around its text \[px\].
+const LETTER: f64 = 6.6;
+const FRAME: f64 = 60.0;
 
 const GREY: RGBColor = RGBColor(0x94, 0xa7, 0xb8);
 
@@ -41,6 +42,27 @@ impl Chart {
         if self.log { x.log10() } else { x }
     }
 
+    /// Text of a position on the lower axis; a logarithmic one names the powers of ten.
+    fn label(&self, x: f64) -> String {
+        if !self.log {
+            return tick(x);
+        }
+        if (x - x.round()).abs() < 1e-9 {
+            tick(10_f64.powf(x.round()))
+        } else {
+            String::new()
+        }
+    }
+
+    /// Room for the legend at the right, in shares of the lower axis.
+    fn legend(&self) -> f64 {
+        let names = self.panels.iter().flat_map(|panel| &panel.traces);
+        let longest = names.map(|trace| trace.name.chars().count()).max();
+        let legend = FRAME + LETTER * longest.unwrap_or(0) as f64;
+        let legend = legend.min(0.5 * f64::from(WIDTH));
+        legend / (f64::from(WIDTH) - 90.0 - legend)
+    }
+
     fn draw(
         &self,
         panel: &Panel,
@@ -50,13 +72,13 @@ impl Chart {
         let values = panel.traces.iter().flat_map(|trace| &trace.y).copied();
         let zero = panel.from_zero.then_some(0.0);
         let y = range(values.chain(zero), 0.06);
-        let end = x.end + LEGEND * (x.end - x.start);
+        let end = x.end + self.legend() * (x.end - x.start);
         let mut chart = ChartBuilder::on(area)
             .margin(8)
             .x_label_area_size(34)
             .y_label_area_size(66)
             .build_cartesian_2d(x.start..end, y)?;
-        let label = |x: &f64| tick(if self.log { 10_f64.powf(*x) } else { *x });
+        let label = |x: &f64| self.label(*x);
         chart
             .configure_mesh()
             .x_desc(&self.axis)
@@ -95,6 +117,9 @@ impl Chart {
                 let half = |from, to| PathElement::new([(x + from, y), (x + to, y)], style);
                 EmptyElement::at((0, 0)) + half(0, 9 - gap) + half(9 + gap, 18)
             });
+        }
+        if !panel.traces.iter().any(|trace| trace.named) {
+            return Ok(());
         }
         chart
             .configure_series_labels()
