@@ -14,6 +14,7 @@ mod parameters;
 mod platform;
 mod plot;
 mod reproduce;
+mod shooting;
 mod test;
 mod workspace;
 

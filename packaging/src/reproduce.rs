@@ -1,7 +1,8 @@
 //! `cargo xtask reproduce`: the paper's experiments from the packaged FMUs.
 
+use crate::archive::write_whole;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, package};
+use crate::{cargo, package, shooting};
 
 /// The experiments in the order of the paper.
 const EXPERIMENTS: [&str; 6] = [
@@ -15,6 +16,8 @@ const EXPERIMENTS: [&str; 6] = [
 const TITLE: &str = "MPC design for a precision, flexure based, pendulum: every experiment, rerun";
 /// Where tables and figures go.
 const PAPER: &str = "dist/paper";
+/// Figure 1, to which an experiment's page links.
+const SHOOTING: &str = "figures/multiple-shooting.svg";
 /// What `flexarm run` exits with if all runs are done, but not all figures as expected.
 const MISSED: i32 = 3;
 
@@ -22,6 +25,8 @@ const MISSED: i32 = 3;
 pub fn run(workspace: &Workspace) -> Result<(), String> {
     package::run(workspace)?;
     let host = cargo::host(workspace)?;
+    let figure = workspace.path(PAPER).join(SHOOTING);
+    write_whole(&figure, shooting::figure()?.as_bytes())?;
     announce("Rerunning the paper's experiments from the packaged FMUs (FMI 3.0)");
     let mut command = workspace.command(&host);
     command.args(["run", "-o", PAPER, "--title", TITLE]);
