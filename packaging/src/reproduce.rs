@@ -5,13 +5,16 @@ use crate::workspace::{Workspace, announce};
 use crate::{cargo, package, shooting};
 
 /// The experiments in the order of the paper.
-const EXPERIMENTS: [&str; 6] = [
+const EXPERIMENTS: [&str; 9] = [
+    "moving-mass",
     "angle-torque",
     "feedback-response",
     "tracking-tflex",
     "tracking-pendulum",
     "disturbance",
     "solve-time",
+    "safe-sets",
+    "linear-model",
 ];
 const TITLE: &str = "MPC design for a precision, flexure based, pendulum: every experiment, rerun";
 /// Where tables and figures go.

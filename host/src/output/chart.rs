@@ -101,13 +101,22 @@ impl Chart {
                     .y(1.0)
                     .y_anchor(plotly::common::Anchor::Bottom),
             );
+        // The panels share a legend.
+        let mut listed = Vec::new();
         for (index, panel) in self.panels.iter().enumerate().take(PANELS) {
             let name = match index {
                 0 => "y".to_owned(),
                 index => format!("y{}", index + 1),
             };
             for trace in &panel.traces {
-                plot.add_trace(scatter(trace).y_axis(&name));
+                let entry = (&trace.name, trace.color);
+                let first = !listed.contains(&entry);
+                listed.push(entry);
+                plot.add_trace(
+                    scatter(trace)
+                        .show_legend(first && trace.named)
+                        .y_axis(&name),
+                );
             }
             let axis = y_axis(panel, index, count);
             layout = match index {
@@ -146,7 +155,6 @@ fn scatter(trace: &Trace) -> Box<Scatter<f64, f64>> {
     };
     let scatter = Scatter::new(trace.x.clone(), trace.y.clone())
         .name(&trace.name)
-        .show_legend(trace.named)
         .mode(match trace.style {
             Style::Points => Mode::Markers,
             _ => Mode::Lines,

@@ -13,10 +13,20 @@ const PER_DECADE: i32 = 60;
 
 /// The chart of a figure. Curves of runs that failed are left out.
 pub(super) fn chart(figure: &Figure, outcomes: &[Result<Outcome, Error>]) -> Chart {
-    let mut colours = COLOURS.iter().copied().cycle();
+    let mut named: Vec<&str> = Vec::new();
     let mut panels = Vec::new();
     for panel in &figure.panels {
-        let curves = panel.curves.iter().zip(colours.by_ref());
+        // Curves of one name have one colour in all panels.
+        for curve in &panel.curves {
+            if !named.contains(&curve.name.as_str()) {
+                named.push(&curve.name);
+            }
+        }
+        let colour = |curve: &Curve| {
+            let position = named.iter().position(|name| *name == curve.name);
+            COLOURS[position.unwrap_or(0) % COLOURS.len()]
+        };
+        let curves = panel.curves.iter().map(|curve| (curve, colour(curve)));
         match figure.kind {
             FigureKind::Signals => {
                 let traces = curves.filter_map(|(curve, colour)| {
