@@ -1,0 +1,327 @@
+//! The whole identification: rows, harmonics, frequency, parameters, errors.
+
+use crate::curve::Compressed;
+use crate::filter::{Hann, TAPS};
+use crate::frequency::{Mask, Projection, refine};
+use crate::harmonics::{Candidate, choose};
+use crate::least_squares::{Dependent, covariance};
+use crate::measurement::Measurement;
+use crate::regression::{LINEAR, Order, Regression};
+use crate::{Error, Fit};
+use arm::{HARMONICS, Parameters};
+use std::ops::Range;
+
+/// Set-up of an identification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Taps of the filter (eq 11). Longer ones suppress more noise and leave less of fast motion.
+    pub taps: usize,
+    /// What the filter is applied to.
+    pub order: Order,
+    /// Number of cogging harmonics, 0 to 9. None: by cross-validation.
+    pub harmonics: Option<usize>,
+    /// Where the cogging frequency is searched \[1/rad\]. None: from one radian of phase across the range of the
+    /// angle up to the finest wave that the measurement shows.
+    pub frequency_range: Option<[f64; 2]>,
+    /// Blocks of time for the cross-validation.
+    pub blocks: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            taps: TAPS,
+            order: Order::default(),
+            harmonics: None,
+            frequency_range: None,
+            blocks: 10,
+        }
+    }
+}
+
+impl Settings {
+    /// The filter.
+    pub fn filter(&self) -> Hann {
+        Hann::new(self.taps)
+    }
+
+    /// Samples from one row to the next: an eighth of the filter, whose outputs in between say nothing new, or
+    /// more for measurements so long that rows abound.
+    pub fn stride(&self, samples: usize) -> usize {
+        const MOST_ROWS: usize = 60_000;
+        (self.taps / 8).max(samples / MOST_ROWS).max(1)
+    }
+
+    /// A measurement, filtered.
+    ///
+    /// # Errors
+    /// Too few samples for a cross-validation, or samples that are not finite.
+    pub fn regression(&self, measurement: &Measurement) -> Result<Regression, Error> {
+        let stride = self.stride(measurement.samples());
+        let needed = self.blocks.max(2) * 4 * (LINEAR + 1);
+        Regression::new(measurement, &self.filter(), self.order, stride, needed)
+    }
+}
+
+/// A parameter with its error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Full name of the variable in the contract, such as `arm.inertia`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Standard error σ, by the estimate of Newey and West: the residual is correlated over the filter's length.
+    pub sigma: f64,
+    /// Root mean square of the parameter's share of the torque, its mean apart \[N·m\]: what it is for.
+    pub torque: f64,
+    /// Whether σ is at most a tenth of the value, or its torque at most 1 % of all torque.
+    pub identifiable: bool,
+}
+
+/// What a measurement says about an arm.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// φ of eq 12.
+    pub parameters: Parameters,
+    /// Every parameter with its error. Those of harmonics that the arm does not have are left out.
+    pub estimates: Vec<Estimate>,
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// What the choice of their number was made from; empty if it was given.
+    pub candidates: Vec<Candidate>,
+    /// Condition number of the regressors, scaled to length one.
+    pub condition: f64,
+    /// How the parameters fit the measurement that they come from.
+    pub fit: Fit,
+    /// Root mean square of the residual that any smooth torque over the angle would leave \[N·m\].
+    pub residual_of_any_curve: f64,
+    /// Angles that the measurement covers \[rad\].
+    pub range: [f64; 2],
+    /// What to know before the result is used.
+    pub warnings: Vec<String>,
+}
+
+/// Contract names and units of J, d, k, o and C.
+const NAMES: [(&str, &str); LINEAR] = [
+    ("arm.inertia", "kg.m2"),
+    ("arm.damping", "N.m.s/rad"),
+    ("arm.stiffness", "N.m/rad"),
+    ("arm.offset", "N.m"),
+    ("arm.hysteresis", "N.m"),
+];
+const DAMPING: usize = 1;
+const HYSTERESIS: usize = 4;
+
+/// Identifies φ of eq 12.
+///
+/// # Errors
+/// Too few or bad samples; motion from which the parameters cannot be told apart; an inertia that is not positive.
+pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identification, Error> {
+    let regression = settings.regression(measurement)?;
+    let blocks = blocks(regression.rows(), settings.blocks.max(2));
+    let everything = [true; LINEAR];
+    // Before anything is searched: without enough motion all answers would be chance.
+    Projection::new(&regression, everything, 0, 0.0).map_err(|d| unexcited(&d, everything))?;
+    let compressed = Compressed::new(&regression, &blocks);
+    let search = settings.frequency_range.unwrap_or_else(|| {
+        let lowest = 1.0 / compressed.span();
+        [lowest, compressed.finest()]
+    });
+    let (candidates, harmonics, start) = match settings.harmonics {
+        Some(0) => (Vec::new(), 0, 0.0),
+        Some(given) => {
+            let given = given.min(HARMONICS);
+            let start = crate::frequency::scan(&compressed, search, given);
+            (Vec::new(), given, start.unwrap_or(search[0]))
+        }
+        None => {
+            let (candidates, chosen) = choose(&compressed, search, HARMONICS);
+            let Candidate {
+                harmonics,
+                frequency,
+                ..
+            } = candidates[chosen];
+            (candidates, harmonics, frequency)
+        }
+    };
+    let mut mask = everything;
+    let mut warnings = Vec::new();
+    let (projection, sigma) = loop {
+        let projection = refine(&regression, mask, harmonics, start).map_err(|d| unexcited(&d, mask))?;
+        let sigma = sigma(&regression, &projection, settings);
+        let Some((index, position)) = negative(mask, &projection) else {
+            break (projection, sigma);
+        };
+        let (name, unit) = NAMES[index];
+        let (value, sigma) = (projection.solution.x[position], sigma[position]);
+        if value < -3.0 * sigma {
+            warnings.push(format!(
+                "{name} would be {value:.4e} {unit} (sigma {sigma:.1e}), which no arm has: 0 is used; a delay \
+                 between torque and angle does this"
+            ));
+        }
+        mask[index] = false;
+    };
+    let x = &projection.solution.x;
+    if !(x[0] > 0.0) {
+        return Err(Error::Inertia {
+            value: x[0],
+            sigma: sigma[0],
+        });
+    }
+    let parameters = parameters(mask, &projection);
+    let torque = regression.torque();
+    let scale = deviation(torque.as_slice());
+    let estimates = estimates(mask, harmonics, &projection, &sigma, scale);
+    for e in estimates.iter().filter(|e| !e.identifiable) {
+        warnings.push(format!(
+            "{} = {:.4e} {} is not identifiable from this measurement: its sigma is {:.1e}",
+            e.name, e.value, e.unit, e.sigma
+        ));
+    }
+    let residuals: Vec<f64> = projection.residual.iter().copied().collect();
+    Ok(Identification {
+        parameters,
+        estimates,
+        harmonics,
+        candidates,
+        condition: projection.solution.condition,
+        fit: Fit::of(torque.as_slice(), &residuals),
+        residual_of_any_curve: (compressed.residual_of_any_curve() / regression.rows() as f64).sqrt(),
+        range: regression.range(),
+        warnings,
+    })
+}
+
+/// Equal stretches of rows.
+fn blocks(rows: usize, count: usize) -> Vec<Range<usize>> {
+    let edge = |i: usize| rows * i / count;
+    (0..count).map(|i| edge(i)..edge(i + 1)).collect()
+}
+
+/// A damping or hysteresis below zero, as index of the linear term and position in x.
+fn negative(mask: Mask, projection: &Projection) -> Option<(usize, usize)> {
+    let present = (0..LINEAR).filter(|&i| mask[i]).enumerate();
+    let mut negative = present.filter(|&(position, index)| {
+        [DAMPING, HYSTERESIS].contains(&index) && projection.solution.x[position] < 0.0
+    });
+    negative.next().map(|(position, index)| (index, position))
+}
+
+/// Lags over which the residual counts as correlated: four lengths of the filter.
+fn lags(regression: &Regression) -> usize {
+    (4 * regression.filter().taps().len()).div_ceil(regression.stride())
+}
+
+/// Standard errors of x, and of w as last one if there are harmonics.
+fn sigma(regression: &Regression, projection: &Projection, settings: &Settings) -> Vec<f64> {
+    let _ = settings;
+    let jacobian = projection.jacobian();
+    let covariance = covariance(
+        &jacobian,
+        &projection.residual,
+        &regression.stretches(),
+        lags(regression),
+    );
+    let variance = |c: usize| covariance.as_ref().map_or(f64::INFINITY, |m| m[(c, c)].max(0.0));
+    (0..jacobian.ncols()).map(|c| variance(c).sqrt()).collect()
+}
+
+fn unexcited(dependent: &Dependent, mask: Mask) -> Error {
+    let names = column_names(mask, dependent.columns.iter().max().map_or(0, |c| c + 1));
+    Error::NotExcited {
+        parameters: dependent.columns.iter().map(|&c| names[c].clone()).collect(),
+        condition: dependent.condition,
+    }
+}
+
+/// Names of at least `count` columns: the linear terms in the mask, then the harmonics.
+fn column_names(mask: Mask, count: usize) -> Vec<String> {
+    let linear = (0..LINEAR).filter(|&i| mask[i]).map(|i| NAMES[i].0.to_owned());
+    let waves = (1..=count).flat_map(|i| {
+        [format!("arm.cogging_cos[{i}]"), format!("arm.cogging_sin[{i}]")]
+    });
+    linear.chain(waves).collect()
+}
+
+fn parameters(mask: Mask, projection: &Projection) -> Parameters {
+    let x = projection.solution.x.as_slice();
+    let mut linear = [0.0; LINEAR];
+    let present = (0..LINEAR).filter(|&i| mask[i]);
+    let mut count = 0;
+    for (position, index) in present.enumerate() {
+        linear[index] = x[position];
+        count = position + 1;
+    }
+    let mut cogging_cos = [0.0; HARMONICS];
+    let mut cogging_sin = [0.0; HARMONICS];
+    for (i, pair) in x[count..].chunks_exact(2).enumerate() {
+        (cogging_cos[i], cogging_sin[i]) = (pair[0], pair[1]);
+    }
+    let [inertia, damping, stiffness, offset, hysteresis] = linear;
+    Parameters {
+        inertia,
+        damping,
+        stiffness,
+        offset,
+        hysteresis,
+        cogging_frequency: projection.frequency,
+        cogging_cos,
+        cogging_sin,
+    }
+}
+
+fn estimates(
+    mask: Mask,
+    harmonics: usize,
+    projection: &Projection,
+    sigma: &[f64],
+    scale: f64,
+) -> Vec<Estimate> {
+    let (x, a) = (&projection.solution.x, &projection.a);
+    let estimate = |name: String, unit, value: f64, sigma: f64, weight: f64| Estimate {
+        identifiable: sigma <= 0.1 * value.abs() || sigma * weight <= 0.01 * scale,
+        torque: value.abs() * weight,
+        name,
+        unit,
+        value,
+        sigma,
+    };
+    let mut estimates = Vec::new();
+    let mut position = 0;
+    for (index, (name, unit)) in NAMES.into_iter().enumerate() {
+        let (value, sigma, weight) = if mask[index] {
+            let column: Vec<f64> = a.column(position).iter().copied().collect();
+            // The offset has no deviation; its torque is itself.
+            let weight = if name == "arm.offset" { 1.0 } else { deviation(&column) };
+            position += 1;
+            (x[position - 1], sigma[position - 1], weight)
+        } else {
+            (0.0, 0.0, 0.0)
+        };
+        estimates.push(estimate(name.to_owned(), unit, value, sigma, weight));
+    }
+    if let Some(slope) = &projection.slope {
+        let weight = deviation(slope.as_slice());
+        let (name, sigma) = ("arm.cogging_frequency".to_owned(), sigma[a.ncols()]);
+        estimates.push(estimate(name, "1/rad", projection.frequency, sigma, weight));
+    }
+    for (kind, shift) in [("cos", 0), ("sin", 1)] {
+        for i in 0..harmonics {
+            let c = position + 2 * i + shift;
+            let column: Vec<f64> = a.column(c).iter().copied().collect();
+            let name = format!("arm.cogging_{kind}[{}]", i + 1);
+            estimates.push(estimate(name, "N.m", x[c], sigma[c], deviation(&column)));
+        }
+    }
+    estimates
+}
+
+/// Standard deviation.
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
