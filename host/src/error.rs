@@ -19,6 +19,11 @@ pub enum Error {
     OutputFolder { path: PathBuf, source: io::Error },
     /// The result cannot be written.
     Output { path: PathBuf, source: io::Error },
+    /// An experiment on a plant does not identify it.
+    Identification {
+        experiment: String,
+        source: identification::Error,
+    },
     /// The user stopped the run.
     Interrupted { time: f64 },
 }
@@ -45,6 +50,7 @@ impl fmt::Display for Error {
             Self::OutputFolder { path, source } | Self::Output { path, source } => {
                 write!(f, "cannot write {}: {source}", path.display())
             }
+            Self::Identification { experiment, source } => write!(f, "{experiment}: {source}"),
             Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
         }
     }
@@ -56,6 +62,7 @@ impl std::error::Error for Error {
             Self::Fmu(error) => Some(error),
             Self::Input(error) => Some(error),
             Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
+            Self::Identification { source, .. } => Some(source),
             Self::NotFinite { .. } | Self::Interrupted { .. } => None,
         }
     }

@@ -4,12 +4,14 @@
 //! - [`fmu`] imports FMUs, alone useful to any client of FMUs;
 //! - [`input`] reads what the user gives: parameters, setpoints, connections;
 //! - [`run`] steps the pair and measures it: [`simulate`];
+//! - [`identify`] finds the parameters of an arm from a measurement or from experiments on a plant;
 //! - [`output`] writes the result.
 //!
-//! FMUs are known only as files: this crate knows no arm, no controller and no export.
+//! FMUs are known only as files: this crate knows no controller and no export, and the arm only to identify it.
 
 mod error;
 pub mod fmu;
+pub mod identify;
 pub mod input;
 pub mod output;
 pub mod run;

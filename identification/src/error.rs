@@ -9,11 +9,23 @@ pub enum Error {
     /// The period is not a positive number.
     Period { value: f64 },
     /// A sample is not a number.
-    NotFinite { signal: &'static str, index: usize, value: f64 },
+    NotFinite {
+        signal: &'static str,
+        index: usize,
+        value: f64,
+    },
     /// Too few samples, or stretches without gaps that are too short.
-    TooShort { rows: usize, needed: usize, samples: usize, period: f64 },
+    TooShort {
+        rows: usize,
+        needed: usize,
+        samples: usize,
+        period: f64,
+    },
     /// Parameters that the measurement says nothing about: their regressors depend on each other.
-    NotExcited { parameters: Vec<String>, condition: f64 },
+    NotExcited {
+        parameters: Vec<String>,
+        condition: f64,
+    },
     /// A moment of inertia that is not positive.
     Inertia { value: f64, sigma: f64 },
 }
@@ -22,13 +34,19 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Period { value } => {
-                write!(f, "the period between samples is {value} s: must be positive")
+                write!(
+                    f,
+                    "the period between samples is {value} s: must be positive"
+                )
             }
             Self::NotFinite {
                 signal,
                 index,
                 value,
-            } => write!(f, "{signal} is {value} in sample {index}: not a finite number"),
+            } => write!(
+                f,
+                "{signal} is {value} in sample {index}: not a finite number"
+            ),
             Self::TooShort {
                 rows,
                 needed,

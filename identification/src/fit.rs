@@ -58,8 +58,13 @@ impl Series {
         }
         let harmonics = p.harmonics();
         if harmonics > 0 {
-            let pairs = p.cogging_cos.iter().zip(&p.cogging_sin).take(HARMONICS.min(harmonics));
-            let amplitudes = DVector::from_iterator(2 * harmonics, pairs.flat_map(|(a, b)| [*a, *b]));
+            let pairs = p
+                .cogging_cos
+                .iter()
+                .zip(&p.cogging_sin)
+                .take(HARMONICS.min(harmonics));
+            let amplitudes =
+                DVector::from_iterator(2 * harmonics, pairs.flat_map(|(a, b)| [*a, *b]));
             torque += regression.cogging(p.cogging_frequency, harmonics) * amplitudes;
         }
         Self {

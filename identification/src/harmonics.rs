@@ -67,7 +67,9 @@ fn left_out(blocks: &[Triangle]) -> Vec<f64> {
         // Too little in the others to predict anything: as bad as no prediction.
         let last = block.r().ncols() - 1;
         let error = match others.solve() {
-            Ok(fit) => (block.r().columns(0, last) * &fit.x - block.r().column(last)).norm_squared(),
+            Ok(fit) => {
+                (block.r().columns(0, last) * &fit.x - block.r().column(last)).norm_squared()
+            }
             Err(_) => block.r().column(last).norm_squared(),
         };
         error / block.rows().max(1) as f64

@@ -98,7 +98,11 @@ impl Triangle {
         let scale: Vec<f64> = (0..n).map(|c| self.r.column(c).norm()).collect();
         let empty: Vec<usize> = (0..n).filter(|&c| scale[c] == 0.0).collect();
         if !empty.is_empty() || self.r.nrows() < n {
-            let columns = if empty.is_empty() { (0..n).collect() } else { empty };
+            let columns = if empty.is_empty() {
+                (0..n).collect()
+            } else {
+                empty
+            };
             return Err(Dependent {
                 columns,
                 condition: f64::INFINITY,
@@ -295,9 +299,13 @@ mod tests {
     #[test]
     fn standard_errors_are_the_scatter_of_repetitions() {
         let (n, colour) = (1500, 20);
-        let a = DMatrix::from_fn(n, 2, |t, c| {
-            if c == 0 { 1.0 } else { (t as f64 / 90.0).sin() }
-        });
+        let a = DMatrix::from_fn(
+            n,
+            2,
+            |t, c| {
+                if c == 0 { 1.0 } else { (t as f64 / 90.0).sin() }
+            },
+        );
         let mut noise = Noise(1);
         let (mut sum, mut squares, mut claimed, mut white) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
         let runs = 400;
@@ -310,7 +318,8 @@ mod tests {
             let solution = Triangle::of(&rows).solve().unwrap();
             let residual = &b - &a * &solution.x;
             let stretch: Range<usize> = 0..n;
-            let covariance = covariance(&a, &residual, std::slice::from_ref(&stretch), 4 * colour).unwrap();
+            let covariance =
+                covariance(&a, &residual, std::slice::from_ref(&stretch), 4 * colour).unwrap();
             for c in 0..2 {
                 sum[c] += solution.x[c];
                 squares[c] += solution.x[c].powi(2);

@@ -81,7 +81,11 @@ impl Regression {
         };
         // Of an arm that hardly moves all is kept: which parameters that leaves open is found out later.
         let settled = pieces(true);
-        let pieces = if settled.is_empty() { pieces(false) } else { settled };
+        let pieces = if settled.is_empty() {
+            pieces(false)
+        } else {
+            settled
+        };
         let rows = pieces.iter().map(|piece| piece.torque.len()).sum();
         if rows < needed {
             return Err(Error::TooShort {
@@ -238,7 +242,11 @@ impl Regression {
         };
         for piece in &self.pieces {
             for row in 0..piece.torque.len() {
-                visit(first + row, &piece.angle[self.samples(&(row..row + 1))], taps);
+                visit(
+                    first + row,
+                    &piece.angle[self.samples(&(row..row + 1))],
+                    taps,
+                );
             }
             first += piece.torque.len();
         }

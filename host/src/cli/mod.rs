@@ -1,6 +1,8 @@
 //! The command line and its exit codes.
 
+mod identify;
 mod inspect;
+mod progress;
 mod simulate;
 
 use clap::{Parser, Subcommand};
@@ -8,7 +10,7 @@ use host::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Runs, scores and plots a controller FMU with a plant FMU, ours or a vendor's (FMI 2.0 and 3.0).
+/// Runs, scores and plots a controller FMU with a plant FMU, ours or a vendor's (FMI 2.0 and 3.0), and identifies arms.
 #[derive(Debug, Parser)]
 #[command(name = "flexarm", version, after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -19,6 +21,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(Box<simulate::Arguments>),
+    Identify(Box<identify::Arguments>),
     Inspect(inspect::Arguments),
 }
 
@@ -26,6 +29,7 @@ const EXAMPLES: &str = "\
 Examples:
   flexarm inspect FlexArmPlant.fmu
   flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --setpoints steps.csv -o out/
+  flexarm identify --measurement log.csv -o out/
 
 Exit codes: 0 done; 1 the run failed or its result could not be written; 2 wrong usage or input, which includes
 values that an FMU refuses before the first step and a folder for -o that cannot be used. Messages go to
@@ -35,6 +39,7 @@ standard error.";
 pub(crate) fn run(arguments: Arguments) -> ExitCode {
     let result = match arguments.command {
         Command::Simulate(arguments) => simulate::run(*arguments),
+        Command::Identify(arguments) => identify::run(*arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
     };
     match result {

@@ -1,16 +1,12 @@
 //! `flexarm simulate`.
 
+use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use host::input::parameters::{Assignment, ParameterFile};
 use host::output::OutputFolder;
 use host::{Error, Outcome, Simulation, simulate};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,8 +97,6 @@ enum Order {
 
 /// Log messages that are shown.
 const SHOWN: usize = 20;
-/// Between two updates of the progress bar.
-const REDRAW: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     let simulation = Simulation {
@@ -125,25 +119,9 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         .as_deref()
         .map(OutputFolder::prepare)
         .transpose()?;
-    let interrupted = watch_for_interrupts();
-    // Hidden by the crate if standard error is no terminal.
-    let bar = ProgressBar::new(1000);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {eta} left") {
-        bar.set_style(style);
-    }
-    let mut drawn = Instant::now();
-    let outcome = simulate(&simulation, &mut |done| {
-        if drawn.elapsed() >= REDRAW {
-            drawn = Instant::now();
-            bar.set_position((done * 1000.0) as u64);
-        }
-        if interrupted.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    });
-    bar.finish_and_clear();
+    let mut progress = Progress::new();
+    let outcome = simulate(&simulation, &mut |done| progress.tell(done));
+    progress.finish();
     let outcome = outcome?;
     report_messages(&outcome);
     if let Some(output) = output {
@@ -151,20 +129,6 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         let _ = writeln!(io::stderr(), "report: {}", report.display());
     }
     super::print(&format!("{}\n", outcome.summary.table()))
-}
-
-/// Set by the first Ctrl-C, so that the run ends and temporary folders go; the second one ends the process,
-/// should an FMU not return.
-fn watch_for_interrupts() -> Arc<AtomicBool> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // Without a handler Ctrl-C works as usual.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    interrupted
 }
 
 /// Warnings and log messages go to standard error; nothing can be done if that is closed.

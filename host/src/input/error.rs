@@ -1,6 +1,7 @@
 //! What can be wrong with what the user gives.
 
 use super::Side;
+use crate::fmu::short;
 use model_description::Diagnostic;
 use std::fmt;
 use std::io;
@@ -147,6 +148,26 @@ pub enum Error {
     Several(Vec<Self>),
     /// A setpoint file without rows.
     NoRows { place: Place },
+    /// A measurement lacks a column.
+    Column {
+        place: Place,
+        expected: String,
+        found: String,
+    },
+    /// Times that are not equally spaced.
+    Spacing {
+        place: Place,
+        value: f64,
+        previous: f64,
+        period: f64,
+    },
+    /// Values that are finite but cannot be meant.
+    Implausible { place: Place, message: String },
+    /// A measurement does not identify the arm.
+    Measurement {
+        file: String,
+        source: identification::Error,
+    },
     /// A setting of the run is out of range.
     Setting {
         name: String,
@@ -316,6 +337,25 @@ impl fmt::Display for Error {
                 Ok(())
             }
             Self::NoRows { place } => write!(f, "{place}: no rows"),
+            Self::Column {
+                place,
+                expected,
+                found,
+            } => write!(f, "{place}: no column {expected}; there are: {found}"),
+            Self::Spacing {
+                place,
+                value,
+                previous,
+                period,
+            } => write!(
+                f,
+                "{place}: time = {value} s comes {} s after {previous} s: times must be multiples of the period, {} s, \
+                 apart",
+                short(value - previous),
+                short(*period)
+            ),
+            Self::Implausible { place, message } => write!(f, "{place}: {message}"),
+            Self::Measurement { file, source } => write!(f, "{file}: {source}"),
             Self::Setting {
                 name,
                 value,
@@ -343,6 +383,7 @@ impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Read { source, .. } => Some(source),
+            Self::Measurement { source, .. } => Some(source),
             _ => None,
         }
     }

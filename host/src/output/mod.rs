@@ -1,9 +1,13 @@
-//! Writes a run to a folder: `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs logged.
+//! Writes a result to a folder: a run as `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs
+//! logged; an identification as `identified.ssv`, `identification.json`, `report.html` and, if asked for, its
+//! measurements.
 //!
 //! Files appear whole or not at all: they are written beside the folder and moved when all are complete. A run
 //! that fails leaves no folders either.
 
 mod decimate;
+mod identification;
+mod plots;
 mod report;
 
 use crate::Error;
@@ -47,11 +51,30 @@ impl Drop for Made {
     }
 }
 
-/// What a run may write.
+/// What may be written.
 const RESULTS: &str = "results.csv";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 const LOG: &str = "log.txt";
+const PARAMETERS: &str = "identified.ssv";
+const IDENTIFICATION: &str = "identification.json";
+const MEASUREMENTS: [&str; 2] = ["excitation.csv", "validation.csv"];
+const PARTIAL: [&str; 3] = [
+    "approach-partial.csv",
+    "excitation-partial.csv",
+    "validation-partial.csv",
+];
+/// What not every run or identification writes: a file of an earlier one would pass for this one's.
+const OF_A_RUN: [&str; 1] = [LOG];
+const OF_AN_IDENTIFICATION: [&str; 7] = [
+    PARAMETERS,
+    REPORT,
+    MEASUREMENTS[0],
+    MEASUREMENTS[1],
+    PARTIAL[0],
+    PARTIAL[1],
+    PARTIAL[2],
+];
 
 impl OutputFolder {
     /// Checks that `path` can be written. An existing folder keeps its other files.
@@ -107,16 +130,18 @@ impl OutputFolder {
         if !log.is_empty() {
             fs::write(file(LOG), log)?;
         }
-        self.publish()
+        self.publish(&OF_A_RUN)
     }
 
-    fn publish(&mut self) -> io::Result<()> {
+    /// Moves all files to their places; those of `stale` that are not written now go.
+    fn publish(&mut self, stale: &[&str]) -> io::Result<()> {
         check_targets(&self.path)?;
         self.made.folder(&self.path)?;
-        // The only file that not every run writes: one of an earlier run would pass for this one's.
-        match fs::remove_file(self.path.join(LOG)) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-            _ => {}
+        for name in stale {
+            match fs::remove_file(self.path.join(name)) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
         }
         for entry in fs::read_dir(self.partial.path())? {
             let entry = entry?;
@@ -128,7 +153,8 @@ impl OutputFolder {
 
 /// Whether files can take their places in `folder`: found out before the first one does.
 fn check_targets(folder: &Path) -> io::Result<()> {
-    for name in [RESULTS, SUMMARY, REPORT, LOG] {
+    let names = [RESULTS, SUMMARY, REPORT, LOG, PARAMETERS, IDENTIFICATION];
+    for name in names.into_iter().chain(MEASUREMENTS).chain(PARTIAL) {
         if folder.join(name).is_dir() {
             let why = format!("{name} is a folder there");
             return Err(io::Error::new(io::ErrorKind::IsADirectory, why));

@@ -146,6 +146,34 @@ pub fn simulate_opened(
     plant: &Fmu,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Outcome, Error> {
+    simulate_keeping(simulation, controller, plant, progress).map_err(|stopped| stopped.error)
+}
+
+/// A run that did not come to its end.
+#[derive(Debug)]
+pub struct Stopped {
+    /// Why.
+    pub error: Error,
+    /// What was recorded until then; empty if the run did not begin.
+    pub recording: Recording,
+}
+
+impl<E: Into<Error>> From<E> for Stopped {
+    fn from(error: E) -> Self {
+        Self {
+            error: error.into(),
+            recording: Recording::default(),
+        }
+    }
+}
+
+/// The same, but what a failing run recorded is not lost.
+pub fn simulate_keeping(
+    simulation: &Simulation,
+    controller: &Fmu,
+    plant: &Fmu,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Outcome, Stopped> {
     let pair = Pair {
         controller: controller.description(),
         plant: plant.description(),
@@ -205,17 +233,21 @@ pub fn simulate_opened(
     checks::size(rows, plan.columns.len())?;
     let begin = Instant::now();
     let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
-    master.run(&mut instances, steps, progress)?;
+    if let Err(error) = master.run(&mut instances, steps, progress) {
+        let (_, recording, _) = master.finish();
+        return Err(Stopped { error, recording });
+    }
     let wall = begin.elapsed().as_secs_f64();
     instances.controller.terminate()?;
     instances.plant.terminate()?;
 
     let (score, recording, controller_time) = master.finish();
     if let Some(value) = score.not_finite() {
-        return Err(Error::NotFinite {
-            name: "the squared error".to_owned(),
-            value,
-            time: end,
+        let name = "the squared error".to_owned();
+        let time = end;
+        return Err(Stopped {
+            error: Error::NotFinite { name, value, time },
+            recording,
         });
     }
     let messages = instances.messages();
@@ -290,7 +322,7 @@ fn both<T>(known: impl Fn(Side) -> Option<T>) -> Option<T> {
     known(Side::Plant).or_else(|| known(Side::Controller))
 }
 
-fn angle_limits(pair: Pair<'_>, values: &StartValues) -> Option<AngleLimits> {
+pub(crate) fn angle_limits(pair: Pair<'_>, values: &StartValues) -> Option<AngleLimits> {
     both(|side| {
         Some(AngleLimits {
             lower: values.number(pair, side, "limits.angle_lower")?,
