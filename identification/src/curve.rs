@@ -152,3 +152,57 @@ impl Compressed {
         self.blocks.iter().map(|b| b.mapped(&map)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frequency::Projection;
+    use crate::{Measurement, Settings, Timing};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Splines add up to one, and so do the first moments to the angle.
+        #[test]
+        fn splines_reproduce_lines(angle in 0.0..1.0_f64) {
+            let splines = Splines { low: 0.0, spacing: 1.0 / INTERVALS as f64 };
+            let (cell, values) = splines.at(angle);
+            prop_assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let moment: f64 = values.iter().enumerate().map(|(i, v)| v * splines.centre(cell + i)).sum();
+            prop_assert!((moment - angle).abs() < 1e-12);
+        }
+    }
+
+    /// The compressed measurement answers as the measurement does.
+    #[test]
+    fn compressed_residuals_are_those_of_all_rows() {
+        let angle: Vec<f64> = (0..12_000)
+            .map(|k| {
+                let t = f64::from(k) * 2.5e-4;
+                1.0 + 0.4 * (6.0 * t).sin() + 0.2 * (15.1 * t).sin()
+            })
+            .collect();
+        let torque = angle
+            .iter()
+            .map(|a| a + 0.3 * (9.0 * a).cos() + 0.1 * (25.0 * a).sin())
+            .collect();
+        let measurement = Measurement {
+            timing: Timing::Sampled,
+            ..Measurement::new(2.5e-4, angle, torque)
+        };
+        let regression = Settings::default().regression(&measurement).unwrap();
+        let half = regression.rows() / 2;
+        let compressed = Compressed::new(&regression, &[0..half, half..regression.rows()]);
+        for (frequency, harmonics) in [(9.0, 1), (7.0, 3), (11.3, 4)] {
+            let exact = Projection::new(&regression, [true; LINEAR], harmonics, frequency).unwrap();
+            let found = compressed.residual(frequency, harmonics);
+            let ratio = found / exact.solution.residual;
+            assert!((0.98..1.02).contains(&ratio), "{frequency}: {ratio}");
+            let blocks = compressed.blocks(frequency, harmonics);
+            let mut merged = Triangle::empty(blocks[0].r().ncols());
+            blocks.iter().for_each(|b| merged.merge(b));
+            assert_eq!(merged.rows(), regression.rows());
+            assert!((merged.residual() / found - 1.0).abs() < 1e-6);
+        }
+        assert!(compressed.residual_of_any_curve() < 1e-6 * compressed.residual(9.0, 1));
+    }
+}

@@ -28,6 +28,8 @@ pub struct Series {
     pub measured: Vec<f64>,
     /// Reconstructed torque \[N·m\].
     pub reconstructed: Vec<f64>,
+    /// Whether the arm moves.
+    pub moving: Vec<bool>,
 }
 
 impl Fit {
@@ -71,6 +73,7 @@ impl Series {
             time: regression.times(),
             measured: regression.torque().as_slice().to_vec(),
             reconstructed: torque.as_slice().to_vec(),
+            moving: regression.motion(),
         }
     }
 
@@ -83,5 +86,17 @@ impl Series {
     /// Its measures.
     pub fn fit(&self) -> Fit {
         Fit::of(&self.measured, &self.residuals())
+    }
+
+    /// The same in motion only: for an arm that friction holds at rest.
+    pub fn fit_in_motion(&self) -> Fit {
+        let moving = |values: &[f64]| -> Vec<f64> {
+            let pairs = values.iter().zip(&self.moving);
+            pairs
+                .filter(|(_, moves)| **moves)
+                .map(|(value, _)| *value)
+                .collect()
+        };
+        Fit::of(&moving(&self.measured), &moving(&self.residuals()))
     }
 }

@@ -147,7 +147,7 @@ impl Projection {
     }
 }
 
-/// The fit at the best w near `start`, by Gauss–Newton steps that are halved until the sum of squares falls.
+/// The fit at the best w near `start` and within `range` \[1/rad\], by Gauss–Newton steps that are halved until the sum of squares falls.
 ///
 /// # Errors
 /// Columns that depend on each other.
@@ -156,6 +156,7 @@ pub(crate) fn refine(
     mask: Mask,
     harmonics: usize,
     start: f64,
+    range: [f64; 2],
 ) -> Result<Projection, Dependent> {
     let mut best = Projection::new(regression, mask, harmonics, start)?;
     if harmonics == 0 {
@@ -165,7 +166,8 @@ pub(crate) fn refine(
         let Some(full) = best.step() else { break };
         let mut step = full.clamp(-0.1 * best.frequency, 0.1 * best.frequency);
         while step.abs() > 1e-8 * best.frequency {
-            let next = Projection::new(regression, mask, harmonics, best.frequency + step)?;
+            let to = (best.frequency + step).clamp(range[0], range[1]);
+            let next = Projection::new(regression, mask, harmonics, to)?;
             if next.solution.residual < best.solution.residual {
                 best = next;
                 continue 'steps;
@@ -175,4 +177,67 @@ pub(crate) fn refine(
         break;
     }
     Ok(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Measurement, Settings};
+    use proptest::prelude::*;
+
+    /// Rows whose torque has two harmonics at 9 1/rad.
+    fn regression() -> Regression {
+        let angle: Vec<f64> = (0..12_000)
+            .map(|k| {
+                let t = f64::from(k) * 2.5e-4;
+                0.4 * (6.0 * t).sin() + 0.2 * (15.1 * t).sin()
+            })
+            .collect();
+        let torque = angle
+            .iter()
+            .enumerate()
+            .map(|(k, a)| {
+                let noise = 1e-3 * f64::from(k as u32 * 7919 % 101) / 50.0;
+                a + 0.3 * (9.0 * a).cos() - 0.2 * (18.0 * a).sin() + noise
+            })
+            .collect();
+        let measurement = Measurement::new(2.5e-4, angle, torque);
+        Settings::default().regression(&measurement).unwrap()
+    }
+
+    const ALL: Mask = [true; LINEAR];
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20))]
+
+        /// The slope of the projected sum of squares against central differences.
+        #[test]
+        fn the_gradient_is_that_of_finite_differences(frequency in 6.0..12.0_f64, harmonics in 1..4_usize) {
+            let regression = regression();
+            let at = |w: f64| Projection::new(&regression, ALL, harmonics, w).unwrap();
+            let h = 1e-4;
+            let difference =
+                (at(frequency + h).solution.residual - at(frequency - h).solution.residual) / (2.0 * h);
+            let gradient = at(frequency).gradient();
+            prop_assert!(
+                (gradient - difference).abs() < 1e-4 * difference.abs() + 1e-6,
+                "{gradient} {difference}"
+            );
+        }
+    }
+
+    #[test]
+    fn refinement_ends_where_the_gradient_vanishes() {
+        let regression = regression();
+        let start = Projection::new(&regression, ALL, 2, 8.7).unwrap();
+        let end = refine(&regression, ALL, 2, 8.7, [1.0, 20.0]).unwrap();
+        assert!((end.frequency - 9.0).abs() < 0.02, "{}", end.frequency);
+        assert!(end.gradient().abs() < 1e-4 * start.gradient().abs());
+    }
+
+    #[test]
+    fn sections_find_a_minimum() {
+        let (place, value) = golden_section(&|x| (x - 0.3).powi(2) + 2.0, [-1.0, 2.0]);
+        assert!((place - 0.3).abs() < 1e-4 && (value - 2.0).abs() < 1e-8);
+    }
 }

@@ -18,12 +18,24 @@ pub struct Candidate {
     pub error: f64,
 }
 
+/// Scores so near to the best one count as equal: what a harmonic gains below that is of no use, and may well be
+/// another misfit of the model that happens to depend on the angle.
+const EQUAL: f64 = 0.05;
+/// Share of the torque below which the compression to splines may feign harmonics.
+const FLOOR: f64 = 1e-4;
+
 /// Every number of harmonics from 0 to `most`, the frequency within `range` \[1/rad\], and the one to choose:
-/// the fewest whose mean square lies within one standard error of the least.
+/// the fewest whose score is as good as the best one, which is within 5 % of it, or its square within one standard
+/// error, or the difference below 1e-4 of the deviation of the torque, `scale` \[N·m\].
 ///
 /// For each candidate every block is predicted by the fit to all others. The frequency is the one that fits all
 /// rows: a single number in common lets through next to nothing of the block that is left out.
-pub fn choose(compressed: &Compressed, range: [f64; 2], most: usize) -> (Vec<Candidate>, usize) {
+pub fn choose(
+    compressed: &Compressed,
+    range: [f64; 2],
+    most: usize,
+    scale: f64,
+) -> (Vec<Candidate>, usize) {
     let mut candidates = Vec::new();
     let mut squares: Vec<Vec<f64>> = Vec::new();
     for harmonics in 0..=most.min(HARMONICS) {
@@ -46,11 +58,14 @@ pub fn choose(compressed: &Compressed, range: [f64; 2], most: usize) -> (Vec<Can
     }
     let by_score = |a: &usize, b: &usize| candidates[*a].score.total_cmp(&candidates[*b].score);
     let best = (0..candidates.len()).min_by(by_score).unwrap_or(0);
-    let least = candidates[best].score.powi(2);
+    let least = candidates[best].score;
     for (candidate, errors) in candidates.iter_mut().zip(&squares) {
         candidate.error = standard_error(errors, &squares[best]);
     }
-    let good = |c: &Candidate| c.score.powi(2) - least <= c.error;
+    let good = |c: &Candidate| {
+        c.score <= (1.0 + EQUAL) * least + FLOOR * scale
+            || c.score.powi(2) - least.powi(2) <= c.error
+    };
     let chosen = candidates.iter().position(good).unwrap_or(best);
     (candidates, chosen)
 }

@@ -7,8 +7,9 @@ use crate::harmonics::{Candidate, choose};
 use crate::least_squares::{Dependent, covariance};
 use crate::measurement::Measurement;
 use crate::regression::{LINEAR, Order, Regression};
-use crate::{Error, Fit};
+use crate::{Error, Fit, Series};
 use arm::{HARMONICS, Parameters};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Set-up of an identification.
@@ -20,8 +21,8 @@ pub struct Settings {
     pub order: Order,
     /// Number of cogging harmonics, 0 to 9. None: by cross-validation.
     pub harmonics: Option<usize>,
-    /// Where the cogging frequency is searched \[1/rad\]. None: from one radian of phase across the range of the
-    /// angle up to the finest wave that the measurement shows.
+    /// Where the cogging frequency is searched \[1/rad\]. None: from a quarter of a period across the range of the
+    /// angle, below which waves are parabolas, up to the finest wave that the measurement shows.
     pub frequency_range: Option<[f64; 2]>,
     /// Blocks of time for the cross-validation.
     pub blocks: usize,
@@ -74,7 +75,8 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error σ, by the estimate of Newey and West: the residual is correlated over the filter's length.
     pub sigma: f64,
-    /// Root mean square of the parameter's share of the torque, its mean apart \[N·m\]: what it is for.
+    /// Root mean square of the parameter's share of the torque, its mean apart \[N·m\]: what it is for. That of all
+    /// cogging for its frequency.
     pub torque: f64,
     /// Whether σ is at most a tenth of the value, or its torque at most 1 % of all torque.
     pub identifiable: bool,
@@ -99,10 +101,14 @@ pub struct Identification {
     pub residual_of_any_curve: f64,
     /// Angles that the measurement covers \[rad\].
     pub range: [f64; 2],
+    /// Whether friction holds the arm at rest, so that only rows in motion were used.
+    pub sticks: bool,
     /// What to know before the result is used.
     pub warnings: Vec<String>,
 }
 
+/// Residual at rest by that in motion, with parameters from motion alone, from which on friction holds the arm.
+const STICKING: f64 = 2.0;
 /// Condition number from which on motion that noise causes counts among the motion that tells parameters apart:
 /// it is correlated with the noise, so that errors are no longer random. The T-flex has 600 if its arm overshoots
 /// the range of the setpoints by 30 mrad; at 6000 its stiffness is off by 1.5 %.
@@ -121,17 +127,63 @@ const HYSTERESIS: usize = 4;
 
 /// Identifies φ of eq 12.
 ///
+/// Where friction holds the arm at rest it may take any value up to its sliding one, which eq 13 does not know:
+/// if rows at rest then fit far worse than those in motion, they are left out, and a warning says so.
+///
 /// # Errors
 /// Too few or bad samples; motion from which the parameters cannot be told apart; an inertia that is not positive.
 pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identification, Error> {
     let regression = settings.regression(measurement)?;
+    let everything = identify_rows(&regression, settings)?;
+    let moving = regression.clone().sliding();
+    let (harmonics, w) = (
+        everything.harmonics,
+        everything.parameters.cogging_frequency,
+    );
+    let sticks = |parameters: &Parameters| rest_by_motion(parameters, &regression) >= STICKING;
+    // Linear parameters from motion alone are soon found and show whether more is worth while.
+    let mask = [true; LINEAR];
+    let first = Projection::new(&moving, mask, harmonics, w).map(|p| parameters(mask, &p));
+    if !first.is_ok_and(|p| sticks(&p)) {
+        return Ok(everything);
+    }
+    let mut in_motion = match identify_rows(&moving, settings) {
+        Ok(found) if sticks(&found.parameters) => found,
+        _ => return Ok(everything),
+    };
+    in_motion.sticks = true;
+    in_motion.warnings.push(format!(
+        "friction holds the arm at rest, which the hysteresis of the model does not do: only the {:.0} % of all rows \
+         where it slides are used",
+        100.0 * moving.counted() as f64 / moving.rows() as f64
+    ));
+    Ok(in_motion)
+}
+
+/// Root mean square of the residual at rest by that in motion.
+fn rest_by_motion(parameters: &Parameters, regression: &Regression) -> f64 {
+    let residuals = Series::new(parameters, regression).residuals();
+    let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
+    for (residual, moves) in residuals.iter().zip(regression.motion()) {
+        sums[usize::from(moves)] += residual * residual;
+        counts[usize::from(moves)] += 1.0;
+    }
+    if counts[0] == 0.0 || counts[1] == 0.0 {
+        return 0.0;
+    }
+    (sums[0] / counts[0]).sqrt() / (sums[1] / counts[1]).sqrt()
+}
+
+fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identification, Error> {
+    let torque = regression.torque();
+    let scale = deviation(&regression.select(torque.as_slice()));
     let blocks = blocks(regression.rows(), settings.blocks.max(2));
     let everything = [true; LINEAR];
     // Before anything is searched: without enough motion all answers would be chance.
-    Projection::new(&regression, everything, 0, 0.0).map_err(|d| unexcited(&d, everything))?;
-    let compressed = Compressed::new(&regression, &blocks);
+    Projection::new(regression, everything, 0, 0.0).map_err(|d| unexcited(&d, everything))?;
+    let compressed = Compressed::new(regression, &blocks);
     let search = settings.frequency_range.unwrap_or_else(|| {
-        let lowest = 1.0 / compressed.span();
+        let lowest = FRAC_PI_2 / compressed.span();
         [lowest, compressed.finest()]
     });
     let (candidates, harmonics, start) = match settings.harmonics {
@@ -142,7 +194,7 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
             (Vec::new(), given, start.unwrap_or(search[0]))
         }
         None => {
-            let (candidates, chosen) = choose(&compressed, search, HARMONICS);
+            let (candidates, chosen) = choose(&compressed, search, HARMONICS, scale);
             let Candidate {
                 harmonics,
                 frequency,
@@ -155,8 +207,8 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
     let mut warnings = Vec::new();
     let (projection, sigma) = loop {
         let projection =
-            refine(&regression, mask, harmonics, start).map_err(|d| unexcited(&d, mask))?;
-        let sigma = sigma(&regression, &projection);
+            refine(regression, mask, harmonics, start, search).map_err(|d| unexcited(&d, mask))?;
+        let sigma = sigma(regression, &projection);
         let Some((index, position)) = negative(mask, &projection) else {
             break (projection, sigma);
         };
@@ -178,9 +230,7 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
         });
     }
     let parameters = parameters(mask, &projection);
-    let torque = regression.torque();
-    let scale = deviation(torque.as_slice());
-    let estimates = estimates(mask, harmonics, &projection, &sigma, scale);
+    let estimates = estimates(regression, mask, harmonics, &projection, &sigma, scale);
     for e in estimates.iter().filter(|e| !e.identifiable) {
         warnings.push(format!(
             "{} = {:.4e} {} is not identifiable from this measurement: its sigma is {:.1e}",
@@ -195,17 +245,19 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
             projection.solution.condition
         ));
     }
-    let residuals: Vec<f64> = projection.residual.iter().copied().collect();
+    let residuals = regression.select(projection.residual.as_slice());
+    let fit = Fit::of(&regression.select(torque.as_slice()), &residuals);
     Ok(Identification {
         parameters,
         estimates,
         harmonics,
         candidates,
         condition: projection.solution.condition,
-        fit: Fit::of(torque.as_slice(), &residuals),
+        fit,
         residual_of_any_curve: (compressed.residual_of_any_curve() / regression.rows() as f64)
             .sqrt(),
         range: regression.range(),
+        sticks: false,
         warnings,
     })
 }
@@ -301,6 +353,7 @@ fn parameters(mask: Mask, projection: &Projection) -> Parameters {
 }
 
 fn estimates(
+    regression: &Regression,
     mask: Mask,
     harmonics: usize,
     projection: &Projection,
@@ -308,6 +361,8 @@ fn estimates(
     scale: f64,
 ) -> Vec<Estimate> {
     let (x, a) = (&projection.solution.x, &projection.a);
+    let spread = |column: &[f64]| deviation(&regression.select(column));
+    let of_column = |c: usize| spread(a.column(c).into_owned().as_slice());
     let estimate = |name: String, unit, value: f64, sigma: f64, weight: f64| Estimate {
         identifiable: sigma <= 0.1 * value.abs() || sigma * weight <= 0.01 * scale,
         torque: value.abs() * weight,
@@ -320,12 +375,11 @@ fn estimates(
     let mut position = 0;
     for (index, (name, unit)) in NAMES.into_iter().enumerate() {
         let (value, sigma, weight) = if mask[index] {
-            let column: Vec<f64> = a.column(position).iter().copied().collect();
             // The offset has no deviation; its torque is itself.
             let weight = if name == "arm.offset" {
                 1.0
             } else {
-                deviation(&column)
+                of_column(position)
             };
             position += 1;
             (x[position - 1], sigma[position - 1], weight)
@@ -335,16 +389,20 @@ fn estimates(
         estimates.push(estimate(name.to_owned(), unit, value, sigma, weight));
     }
     if let Some(slope) = &projection.slope {
-        let weight = deviation(slope.as_slice());
         let (name, sigma) = ("arm.cogging_frequency".to_owned(), sigma[a.ncols()]);
-        estimates.push(estimate(name, "1/rad", projection.frequency, sigma, weight));
+        let weight = spread(slope.as_slice());
+        let waves = 2 * harmonics;
+        let cogging = a.columns(position, waves) * x.rows(position, waves);
+        estimates.push(Estimate {
+            torque: spread(cogging.as_slice()),
+            ..estimate(name, "1/rad", projection.frequency, sigma, weight)
+        });
     }
     for (kind, shift) in [("cos", 0), ("sin", 1)] {
         for i in 0..harmonics {
             let c = position + 2 * i + shift;
-            let column: Vec<f64> = a.column(c).iter().copied().collect();
             let name = format!("arm.cogging_{kind}[{}]", i + 1);
-            estimates.push(estimate(name, "N.m", x[c], sigma[c], deviation(&column)));
+            estimates.push(estimate(name, "N.m", x[c], sigma[c], of_column(c)));
         }
     }
     estimates

@@ -267,7 +267,7 @@ mod tests {
             0 => (r as f64).sin(),
             1 => r as f64,
             2 => 1.0,
-            3 => 2.0 + 3.0 * r as f64,
+            3 => 30.0 - r as f64,
             _ => (r as f64).cos(),
         });
         let dependent = Triangle::of(&rows).solve().unwrap_err();

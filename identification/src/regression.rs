@@ -32,6 +32,15 @@ pub const LINEAR: usize = 5;
 /// Rows that are filtered at a time: their samples stay in the cache.
 const CHUNK: usize = 128;
 
+/// Share of the root mean square speed below which the arm is at rest.
+const REST: f64 = 0.2;
+
+/// |z| from which on friction counts as fully built up.
+const SLIDING: f64 = 0.9;
+
+/// Position of z among the regressors.
+const HYSTERESIS: usize = 4;
+
 /// Move after which eq 13 has forgotten 99 % of where z started \[rad\].
 const FORGETTING: f64 = 2.0 * hysteresis::DISPLACEMENT * 4.6;
 
@@ -44,6 +53,8 @@ pub struct Regression {
     period: f64,
     stride: usize,
     rows: usize,
+    /// Rows that count; None: all.
+    counted: Option<Vec<bool>>,
 }
 
 /// What is left of a segment.
@@ -102,7 +113,48 @@ impl Regression {
             period: measurement.period,
             stride,
             rows,
+            counted: None,
         })
+    }
+
+    /// The same with zeros in place of all rows at rest or soon after a reversal, where friction that holds the
+    /// arm at rest is not what eq 13 says.
+    pub fn sliding(mut self) -> Self {
+        let z = self.linear(HYSTERESIS);
+        let rows = self.motion().into_iter().zip(z);
+        self.counted = Some(rows.map(|(moves, z)| moves && z.abs() >= SLIDING).collect());
+        self
+    }
+
+    /// Which rows are not at rest: a fifth of the mean speed and more.
+    pub fn motion(&self) -> Vec<bool> {
+        let speed: Vec<f64> = self
+            .pieces
+            .iter()
+            .flat_map(|p| &p.linear[1])
+            .copied()
+            .collect();
+        let square: f64 = speed.iter().map(|v| v * v).sum::<f64>() / speed.len().max(1) as f64;
+        let least = REST * square.sqrt();
+        speed.iter().map(|v| v.abs() >= least).collect()
+    }
+
+    /// Number of rows that count.
+    pub fn counted(&self) -> usize {
+        let count = |c: &Vec<bool>| c.iter().filter(|c| **c).count();
+        self.counted.as_ref().map_or(self.rows, count)
+    }
+
+    /// Of values of all rows those that count.
+    pub fn select(&self, values: &[f64]) -> Vec<f64> {
+        let rows = values.iter().enumerate();
+        rows.filter(|(row, _)| self.counts(*row))
+            .map(|(_, v)| *v)
+            .collect()
+    }
+
+    fn counts(&self, row: usize) -> bool {
+        self.counted.as_ref().is_none_or(|c| c[row])
     }
 
     /// Number of rows.
@@ -132,10 +184,11 @@ impl Regression {
 
     /// Filtered torque of each row \[N·m\].
     pub fn torque(&self) -> DVector<f64> {
-        DVector::from_iterator(
-            self.rows,
-            self.pieces.iter().flat_map(|p| p.torque.iter().copied()),
-        )
+        let torque = self.pieces.iter().flat_map(|p| &p.torque);
+        let torque = torque
+            .enumerate()
+            .map(|(row, t)| if self.counts(row) { *t } else { 0.0 });
+        DVector::from_iterator(self.rows, torque)
     }
 
     /// Filtered angle of each row \[rad\].
@@ -145,9 +198,10 @@ impl Regression {
 
     /// Regressor 0 to 4: α, ω, θ, 1, z, one value a row.
     pub fn linear(&self, index: usize) -> Vec<f64> {
-        self.pieces
-            .iter()
-            .flat_map(|p| p.linear[index].iter().copied())
+        let values = self.pieces.iter().flat_map(|p| &p.linear[index]);
+        values
+            .enumerate()
+            .map(|(row, v)| if self.counts(row) { *v } else { 0.0 })
             .collect()
     }
 
@@ -230,10 +284,14 @@ impl Regression {
             }
             first += piece.torque.len();
         }
+        for row in (0..self.rows).filter(|row| !self.counts(*row)) {
+            matrix.row_mut(row).fill(0.0);
+        }
         matrix
     }
 
-    /// Tells `visit` the rows in order, each with the angles \[rad\] of its window and their weights.
+    /// Tells `visit` the rows in order, each with the angles \[rad\] of its window, none for one that does not count,
+    /// and their weights.
     pub fn windows(&self, mut visit: impl FnMut(usize, &[f64], &[f64])) {
         let mut first = 0;
         let taps = match self.order {

@@ -102,6 +102,9 @@ pub struct Summary {
     pub condition: f64,
     /// Angles that the measurement covers \[rad\].
     pub range_rad: [f64; 2],
+    /// Whether friction holds the arm at rest: parameters then come from where it slides, and fits are judged
+    /// in motion.
+    pub sticks: bool,
     /// Filter.
     pub filter: FilterSummary,
     /// Fit of the measurement that the parameters come from.
@@ -121,7 +124,15 @@ impl Summary {
     /// Of an identified arm.
     pub fn new(identified: &Identified) -> Self {
         let found = &identified.identification;
-        let fit = |compared: &Compared| FitSummary::new(compared, compared.series.fit());
+        let fit = |compared: &Compared| {
+            let series = &compared.series;
+            let fit = if found.sticks {
+                series.fit_in_motion()
+            } else {
+                series.fit()
+            };
+            FitSummary::new(compared, fit)
+        };
         Self {
             parameters: found
                 .estimates
@@ -147,6 +158,7 @@ impl Summary {
                 .collect(),
             condition: found.condition,
             range_rad: found.range,
+            sticks: found.sticks,
             filter: FilterSummary {
                 taps: identified.settings.taps,
                 order: match identified.settings.order {

@@ -111,12 +111,11 @@ impl OutputFolder {
 /// What an SSV file can say beside its values.
 fn description(summary: &Summary) -> String {
     let mut text = format!(
-        "Identified from {} samples rows, {} cogging harmonics, NRMSE of the torque {:.3} %",
+        "Identified from {} rows, {} cogging harmonics, NRMSE of the torque {:.3} %",
         summary.fit.rows,
         summary.harmonics,
         100.0 * summary.fit.nrmse
-    )
-    .replace(" samples rows", " rows");
+    );
     // Formatting to a String cannot fail.
     if let Some(tube) = &summary.tube {
         let _ = write!(
