@@ -1,5 +1,6 @@
 //! Everything that can end a run.
 
+use crate::input::setpoints::AngleLimits;
 use crate::{fmu, input};
 use std::fmt;
 use std::io;
@@ -19,6 +20,12 @@ pub enum Error {
     OutputFolder { path: PathBuf, source: io::Error },
     /// The result cannot be written.
     Output { path: PathBuf, source: io::Error },
+    /// The angle went where a run was told to stop.
+    LeftRange {
+        angle: f64,
+        time: f64,
+        limits: AngleLimits,
+    },
     /// An experiment on a plant does not identify it.
     Identification {
         experiment: String,
@@ -50,6 +57,16 @@ impl fmt::Display for Error {
             Self::OutputFolder { path, source } | Self::Output { path, source } => {
                 write!(f, "cannot write {}: {source}", path.display())
             }
+            Self::LeftRange {
+                angle,
+                time,
+                limits,
+            } => write!(
+                f,
+                "the angle is {angle} rad at t = {time} s, outside [{}, {}] rad: do torque and angle have opposite \
+                 signs, or does the feedback not suit the arm (feedback.inertia)?",
+                limits.lower, limits.upper
+            ),
             Self::Identification { experiment, source } => write!(f, "{experiment}: {source}"),
             Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
         }
@@ -63,7 +80,7 @@ impl std::error::Error for Error {
             Self::Input(error) => Some(error),
             Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
             Self::Identification { source, .. } => Some(source),
-            Self::NotFinite { .. } | Self::Interrupted { .. } => None,
+            Self::NotFinite { .. } | Self::LeftRange { .. } | Self::Interrupted { .. } => None,
         }
     }
 }

@@ -22,11 +22,11 @@ pub struct Candidate {
 /// another misfit of the model that happens to depend on the angle.
 const EQUAL: f64 = 0.05;
 /// Share of the torque below which the compression to splines may feign harmonics.
-const FLOOR: f64 = 1e-4;
+const FLOOR: f64 = 1e-5;
 
 /// Every number of harmonics from 0 to `most`, the frequency within `range` \[1/rad\], and the one to choose:
 /// the fewest whose score is as good as the best one, which is within 5 % of it, or its square within one standard
-/// error, or the difference below 1e-4 of the deviation of the torque, `scale` \[N·m\].
+/// error, or the difference below 1e-5 of the deviation of the torque, `scale` \[N·m\].
 ///
 /// For each candidate every block is predicted by the fit to all others. The frequency is the one that fits all
 /// rows: a single number in common lets through next to nothing of the block that is left out.

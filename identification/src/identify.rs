@@ -107,6 +107,9 @@ pub struct Identification {
     pub warnings: Vec<String>,
 }
 
+/// Residual where the arm slides, with parameters from there, by that with parameters from all rows: less would be
+/// no reason to leave rows out.
+const GAIN: f64 = 0.5;
 /// Residual at rest by that in motion, with parameters from motion alone, from which on friction holds the arm.
 const STICKING: f64 = 2.0;
 /// Condition number from which on motion that noise causes counts among the motion that tells parameters apart:
@@ -128,7 +131,8 @@ const HYSTERESIS: usize = 4;
 /// Identifies φ of eq 12.
 ///
 /// Where friction holds the arm at rest it may take any value up to its sliding one, which eq 13 does not know:
-/// if rows at rest then fit far worse than those in motion, they are left out, and a warning says so.
+/// if parameters from where the arm slides fit far better there, and far worse at rest, they are the ones, and a
+/// warning says so.
 ///
 /// # Errors
 /// Too few or bad samples; motion from which the parameters cannot be told apart; an inertia that is not positive.
@@ -140,7 +144,14 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
         everything.harmonics,
         everything.parameters.cogging_frequency,
     );
-    let sticks = |parameters: &Parameters| rest_by_motion(parameters, &regression) >= STICKING;
+    let sliding = |parameters: &Parameters| {
+        let residuals = Series::new(parameters, &moving).residuals();
+        residuals.iter().map(|r| r * r).sum::<f64>().sqrt()
+    };
+    let before = sliding(&everything.parameters);
+    let sticks = |parameters: &Parameters| {
+        sliding(parameters) <= GAIN * before && rest_by_motion(parameters, &regression) >= STICKING
+    };
     // Linear parameters from motion alone are soon found and show whether more is worth while.
     let mask = [true; LINEAR];
     let first = Projection::new(&moving, mask, harmonics, w).map(|p| parameters(mask, &p));

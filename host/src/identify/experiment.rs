@@ -306,7 +306,7 @@ impl<'a> Bench<'a> {
                 ("--lower", experiment.range.lower),
                 ("--upper", experiment.range.upper),
             ] {
-                if !(limits.lower..=limits.upper).contains(&value) {
+                if !limits.contains(value) {
                     return Err(input::Error::Setting {
                         name: name.to_owned(),
                         value: value.to_string(),
@@ -412,6 +412,11 @@ impl<'a> Bench<'a> {
         simulation.until = Some(until);
         simulation.step = e.step;
         simulation.order = e.order;
+        let beyond = e.range.upper - e.range.lower;
+        simulation.stop_outside = Some(AngleLimits {
+            lower: e.range.lower - beyond,
+            upper: e.range.upper + beyond,
+        });
         simulate_keeping(&simulation, &self.controller, &self.plant, progress).map_err(
             |Stopped { error, recording }| {
                 let signals = self.signals(&recording, 0.0).ok();

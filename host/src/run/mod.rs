@@ -86,6 +86,8 @@ pub struct Simulation {
     pub record_every: usize,
     /// Asks the FMUs for debug messages.
     pub logging: bool,
+    /// Stops the run when the angle leaves these.
+    pub stop_outside: Option<AngleLimits>,
 }
 
 impl Simulation {
@@ -103,6 +105,7 @@ impl Simulation {
             order: Order::Sequential,
             record_every: 1,
             logging: false,
+            stop_outside: None,
         }
     }
 
