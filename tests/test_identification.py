@@ -26,7 +26,9 @@ TARGETS = {
 
 
 def flexarm_run(flexarm: Path, *arguments) -> subprocess.CompletedProcess:
-    return subprocess.run([str(a) for a in (flexarm, *arguments)], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [str(a) for a in (flexarm, *arguments)], capture_output=True, text=True, check=False
+    )
 
 
 def identify(flexarm: Path, out: Path, *arguments) -> tuple[dict, dict]:
@@ -101,7 +103,7 @@ def test_results_of_a_run_are_a_measurement(flexarm, tmp_path):
     found, estimates = identify(flexarm, tmp_path / "id", "--measurement", measurement)
     assert any("missing" in w for w in found["warnings"]), found["warnings"]
     truth = parameters("tflex")
-    # The accurate tracking hardly leaves the setpoints: stiffness and offset need more range (see the warning).
+    # Accurate tracking hardly leaves the setpoints: stiffness and offset need more range (see the warning).
     for name in ("arm.inertia", "arm.damping", "arm.hysteresis"):
         assert estimates[name]["value"] == pytest.approx(float(truth[name]), rel=0.02), name
     assert any("condition number" in w for w in found["warnings"]), found["warnings"]
@@ -120,13 +122,17 @@ def vendor(tmp_path_factory) -> Path:
         ("phi_deg", "output", ""),
         *((name, "parameter", f'start="{start}"') for name, start in VENDOR.items()),
     ]
-    xml = '<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="2.0" modelName="Vendor" guid="v">\n'
-    xml += '<CoSimulation modelIdentifier="arm" canHandleVariableCommunicationStepSize="true"/>\n<ModelVariables>\n'
+    xml = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    xml += '<fmiModelDescription fmiVersion="2.0" modelName="Vendor" guid="v">\n'
+    xml += '<CoSimulation modelIdentifier="arm" canHandleVariableCommunicationStepSize="true"/>\n'
+    xml += "<ModelVariables>\n"
     for reference, (name, causality, start) in enumerate(variables):
         variability = "fixed" if causality == "parameter" else "continuous"
-        head = f'name="{name}" valueReference="{reference}" causality="{causality}" variability="{variability}"'
+        head = (
+            f'name="{name}" valueReference="{reference}" causality="{causality}" variability="{variability}"'
+        )
         xml += f"<ScalarVariable {head}><Real {start}/></ScalarVariable>\n"
-    xml += "</ModelVariables>\n<ModelStructure><Outputs><Unknown index=\"2\"/></Outputs></ModelStructure>\n"
+    xml += '</ModelVariables>\n<ModelStructure><Outputs><Unknown index="2"/></Outputs></ModelStructure>\n'
     xml += "</fmiModelDescription>\n"
     with zipfile.ZipFile(folder / "vendor.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", xml)
@@ -227,7 +233,12 @@ def test_measurements_that_are_saved_identify_the_same(flexarm, tmp_path):
     pair = ["--controller", fmu("fmi3", "FlexArmController"), "--plant", fmu("fmi3", "FlexArmPlant")]
     short = ["--duration", "20", "--save-measurements"]
     first, _ = identify(flexarm, tmp_path / "a", *pair, *NOISE, *RANGE, *short)
-    files = ["--measurement", tmp_path / "a" / "excitation.csv", "--validation", tmp_path / "a" / "validation.csv"]
+    files = [
+        "--measurement",
+        tmp_path / "a" / "excitation.csv",
+        "--validation",
+        tmp_path / "a" / "validation.csv",
+    ]
     second, _ = identify(flexarm, tmp_path / "b", *files)
     for a, b in zip(first["parameters"], second["parameters"], strict=True):
         assert a["value"] == pytest.approx(b["value"], rel=1e-6, abs=1e-9)

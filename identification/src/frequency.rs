@@ -23,7 +23,7 @@ const STEPS: usize = 30;
 /// enough for the measurement.
 pub(crate) fn scan(compressed: &Compressed, range: [f64; 2], harmonics: usize) -> Option<f64> {
     let highest = range[1].min(compressed.finest() / harmonics as f64);
-    if !(range[0] < highest) {
+    if highest.is_nan() || range[0] >= highest {
         return None;
     }
     let step = PHASE / (0.5 * harmonics as f64 * compressed.span());

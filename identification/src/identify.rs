@@ -234,7 +234,7 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
         mask[index] = false;
     };
     let x = &projection.solution.x;
-    if !(x[0] > 0.0) {
+    if x[0].is_nan() || x[0] <= 0.0 {
         return Err(Error::Inertia {
             value: x[0],
             sigma: sigma[0],

@@ -116,7 +116,7 @@ impl Triangle {
         let largest = svd.singular_values.max();
         let (weakest, smallest) = svd.singular_values.argmin();
         let condition = largest / smallest;
-        if !(smallest > DEPENDENT * largest) {
+        if !condition.is_finite() || condition >= 1.0 / DEPENDENT {
             let columns = svd.v_t.map_or((0..n).collect(), |v| {
                 let direction = v.row(weakest);
                 let most = direction.amax();

@@ -34,7 +34,7 @@ pub fn propose(error: &[f64], feedforward: &[f64], feedback: &[f64]) -> Option<T
     }
     let rms = |x: &[f64]| (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt();
     let (ff, fb) = (rms(feedforward), rms(feedback));
-    if !(ff > fb) {
+    if ff.is_nan() || ff <= fb {
         return None;
     }
     let largest = error.iter().fold(0.0_f64, |most, e| most.max(e.abs()));

@@ -144,8 +144,7 @@ fn an_arm_with_coulomb_friction_has_no_harmonics() {
             step,
             [-2.0, 200.0, 20.0],
             60.0,
-            5e-3,
-            seed,
+            (5e-3, seed),
             [0.0, 0.5],
         )
     };

@@ -288,9 +288,10 @@ fn experiments(
 
 /// Saves what was recorded before an experiment failed.
 fn keep(failed: Failed, output: Option<OutputFolder>) -> Error {
-    if let (Some((experiment, signals)), Some(output)) = (failed.partial, output)
-        && !matches!(failed.error, Error::Interrupted { .. })
+    if let (Some(partial), Some(output)) = (failed.partial, output)
+        && !matches!(*failed.error, Error::Interrupted { .. })
     {
+        let (experiment, signals) = *partial;
         let until = signals.time.last().copied().unwrap_or(0.0);
         let _ = match output.write_partial(&experiment, &signals, &failed.error) {
             Ok(path) => writeln!(
@@ -301,5 +302,5 @@ fn keep(failed: Failed, output: Option<OutputFolder>) -> Error {
             Err(error) => writeln!(io::stderr(), "warning: {error}"),
         };
     }
-    failed.error
+    *failed.error
 }

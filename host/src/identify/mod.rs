@@ -2,6 +2,7 @@
 //!
 //! The mathematics is that of the crate `identification`; here its input is made and its result described.
 
+mod bench;
 pub mod experiment;
 mod parameters;
 mod summary;

@@ -1,7 +1,6 @@
 //! What can be wrong with what the user gives.
 
 use super::Side;
-use crate::fmu::short;
 use model_description::Diagnostic;
 use std::fmt;
 use std::io;
@@ -349,10 +348,9 @@ impl fmt::Display for Error {
                 period,
             } => write!(
                 f,
-                "{place}: time = {value} s comes {} s after {previous} s: times must be multiples of the period, {} s, \
-                 apart",
-                short(value - previous),
-                short(*period)
+                "{place}: time = {value} s comes {:.3e} s after {previous} s: times must be multiples of the period, \
+                 {period:.3e} s, apart",
+                value - previous
             ),
             Self::Implausible { place, message } => write!(f, "{place}: {message}"),
             Self::Measurement { file, source } => write!(f, "{file}: {source}"),

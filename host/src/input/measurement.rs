@@ -262,7 +262,7 @@ pub(crate) fn segments(
     let time = &signals.time;
     let mut steps: Vec<f64> = Vec::with_capacity(time.len());
     for (row, pair) in time.windows(2).enumerate() {
-        if !(pair[1] > pair[0]) {
+        if pair[1] <= pair[0] {
             return Err(Error::Time {
                 place: place(row + 1),
                 value: pair[1],

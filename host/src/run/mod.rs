@@ -149,14 +149,14 @@ pub fn simulate_opened(
     plant: &Fmu,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Outcome, Error> {
-    simulate_keeping(simulation, controller, plant, progress).map_err(|stopped| stopped.error)
+    simulate_keeping(simulation, controller, plant, progress).map_err(|stopped| *stopped.error)
 }
 
 /// A run that did not come to its end.
 #[derive(Debug)]
 pub struct Stopped {
     /// Why.
-    pub error: Error,
+    pub error: Box<Error>,
     /// What was recorded until then; empty if the run did not begin.
     pub recording: Recording,
 }
@@ -164,7 +164,7 @@ pub struct Stopped {
 impl<E: Into<Error>> From<E> for Stopped {
     fn from(error: E) -> Self {
         Self {
-            error: error.into(),
+            error: Box::new(error.into()),
             recording: Recording::default(),
         }
     }
@@ -238,6 +238,7 @@ pub fn simulate_keeping(
     let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
     if let Err(error) = master.run(&mut instances, steps, progress) {
         let (_, recording, _) = master.finish();
+        let error = Box::new(error);
         return Err(Stopped { error, recording });
     }
     let wall = begin.elapsed().as_secs_f64();
@@ -249,7 +250,7 @@ pub fn simulate_keeping(
         let name = "the squared error".to_owned();
         let time = end;
         return Err(Stopped {
-            error: Error::NotFinite { name, value, time },
+            error: Box::new(Error::NotFinite { name, value, time }),
             recording,
         });
     }

@@ -79,8 +79,7 @@ pub fn measure_any<S: Copy>(
     step: impl Fn(&S, f64) -> S,
     [bias, proportional, derivative]: [f64; 3],
     seconds: f64,
-    noise: f64,
-    seed: u64,
+    (noise, seed): (f64, u64),
     range: [f64; 2],
 ) -> Measurement {
     let (mut moves, mut random) = (Moves::new(7, range), Random(seed));
@@ -110,8 +109,7 @@ pub fn measure(p: &Parameters, seconds: f64, noise: f64, seed: u64) -> Measureme
         |s, torque| plant::step(p, &Motor::tflex(), s, torque, 0.0, PERIOD),
         [p.position_torque(RANGE[0]), 60.0, 3.0],
         seconds,
-        noise,
-        seed,
+        (noise, seed),
         RANGE,
     )
 }
