@@ -32,6 +32,7 @@
 
 mod curve;
 mod error;
+mod estimates;
 pub mod filter;
 mod fit;
 mod frequency;
@@ -39,12 +40,14 @@ mod harmonics;
 mod identify;
 mod least_squares;
 mod measurement;
+mod piece;
 pub mod regression;
 pub mod tube;
 
 pub use error::Error;
+pub use estimates::Estimate;
 pub use filter::Hann;
 pub use fit::{Fit, Series};
 pub use harmonics::Candidate;
-pub use identify::{Estimate, Identification, Settings, identify};
+pub use identify::{Identification, Settings, identify};
 pub use measurement::{Measurement, Segment, Timing};
