@@ -1,5 +1,6 @@
 //! Everything that can end a run.
 
+use crate::input::setpoints::AngleLimits;
 use crate::{Outcome, fmu, input};
 use std::fmt;
 use std::io;
@@ -23,6 +24,17 @@ pub enum Error {
     Stopped {
         source: Box<Self>,
         partial: Box<Outcome>,
+    },
+    /// The angle went where a run was told to stop.
+    LeftRange {
+        angle: f64,
+        time: f64,
+        limits: AngleLimits,
+    },
+    /// An experiment on a plant does not identify it.
+    Identification {
+        experiment: String,
+        source: identification::Error,
     },
     /// The user stopped the run.
     Interrupted { time: f64 },
@@ -51,6 +63,17 @@ impl fmt::Display for Error {
                 write!(f, "cannot write {}: {source}", path.display())
             }
             Self::Stopped { source, .. } => source.fmt(f),
+            Self::LeftRange {
+                angle,
+                time,
+                limits,
+            } => write!(
+                f,
+                "the angle is {angle} rad at t = {time} s, outside [{}, {}] rad: do torque and angle have opposite \
+                 signs, or does the feedback not suit the arm (feedback.inertia)?",
+                limits.lower, limits.upper
+            ),
+            Self::Identification { experiment, source } => write!(f, "{experiment}: {source}"),
             Self::Interrupted { time } => write!(f, "interrupted at t = {time} s"),
         }
     }
@@ -63,7 +86,8 @@ impl std::error::Error for Error {
             Self::Input(error) => Some(error),
             Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
             Self::Stopped { source, .. } => source.source(),
-            Self::NotFinite { .. } | Self::Interrupted { .. } => None,
+            Self::Identification { source, .. } => Some(source),
+            Self::NotFinite { .. } | Self::LeftRange { .. } | Self::Interrupted { .. } => None,
         }
     }
 }

@@ -5,13 +5,15 @@
 //! - [`input`] reads what the user gives: parameters, setpoints, connections;
 //! - [`run`] steps the pair and measures it: [`simulate`];
 //! - [`experiment`] makes many runs that a file describes, and compares them with what was expected;
+//! - [`identify`] finds the parameters of an arm from a measurement or from experiments on a plant;
 //! - [`output`] writes the result.
 //!
-//! FMUs are known only as files: this crate knows no arm, no controller and no export.
+//! FMUs are known only as files: this crate knows no controller and no export, and the arm only to identify it.
 
 mod error;
 pub mod experiment;
 pub mod fmu;
+pub mod identify;
 pub mod input;
 pub mod output;
 pub mod run;

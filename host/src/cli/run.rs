@@ -103,9 +103,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Error> {
     let folder = arguments.output.as_deref();
     let folder = folder.map(ExperimentsFolder::prepare).transpose()?;
     let available = std::thread::available_parallelism().map_or(1, usize::from);
-    let interrupted = super::watch_for_interrupts();
+    let interrupted = super::progress::watch_for_interrupts();
     let watcher = Watcher {
-        bar: super::progress_bar(),
+        bar: super::progress::bar(),
         interrupted: &interrupted,
         folder: folder.as_ref(),
         failure: Mutex::new(None),

@@ -1,15 +1,13 @@
 //! `flexarm simulate`.
 
+use super::progress::Progress;
 use clap::{Args, ValueEnum};
 use host::input::parameters::{Assignment, ParameterFile};
 use host::input::setpoints::Setpoints;
 use host::output::OutputFolder;
 use host::{Error, Outcome, Simulation, simulate};
 use std::io::{self, Write};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,8 +99,6 @@ enum Order {
 
 /// Log messages that are shown.
 const SHOWN: usize = 20;
-/// Between two updates of the progress bar.
-const REDRAW: Duration = Duration::from_millis(50);
 
 pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
     let simulation = Simulation {
@@ -125,21 +121,9 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         .as_deref()
         .map(OutputFolder::prepare)
         .transpose()?;
-    let interrupted = super::watch_for_interrupts();
-    let bar = super::progress_bar();
-    let mut drawn = Instant::now();
-    let outcome = simulate(&simulation, &mut |done| {
-        if drawn.elapsed() >= REDRAW {
-            drawn = Instant::now();
-            bar.set_position((done * 1000.0) as u64);
-        }
-        if interrupted.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    });
-    bar.finish_and_clear();
+    let mut progress = Progress::new();
+    let outcome = simulate(&simulation, &mut |done| progress.tell(done));
+    progress.finish();
     let outcome = match outcome {
         Ok(outcome) => outcome,
         Err(Error::Stopped { source, partial }) => {

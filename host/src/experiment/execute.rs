@@ -119,7 +119,7 @@ fn unknown_columns(
         for name in signal.columns() {
             let known = || columns[run].iter().map(|column| column.name.as_str());
             if !known().any(|known| known == name) {
-                mistakes.push(input::Error::Column {
+                mistakes.push(input::Error::Unrecorded {
                     place: place.clone(),
                     name: name.to_owned(),
                     similar: similar(name, known()),

@@ -67,7 +67,7 @@ pub enum Error {
         existing: Vec<String>,
     },
     /// No column of the recording has the name.
-    Column {
+    Unrecorded {
         place: Place,
         name: String,
         similar: Vec<String>,
@@ -162,6 +162,26 @@ pub enum Error {
     Several(Vec<Self>),
     /// A setpoint file without rows.
     NoRows { place: Place },
+    /// A measurement lacks a column.
+    Column {
+        place: Place,
+        expected: String,
+        found: String,
+    },
+    /// Times that are not equally spaced.
+    Spacing {
+        place: Place,
+        value: f64,
+        previous: f64,
+        period: f64,
+    },
+    /// Values that are finite but cannot be meant.
+    Implausible { place: Place, message: String },
+    /// A measurement does not identify the arm.
+    Measurement {
+        file: String,
+        source: identification::Error,
+    },
     /// A setting of the run is out of range.
     Setting {
         name: String,
@@ -203,7 +223,7 @@ impl fmt::Display for Error {
                 }
                 list(f, "; there are: ", existing)
             }
-            Self::Column {
+            Self::Unrecorded {
                 place,
                 name,
                 similar,
@@ -343,6 +363,24 @@ impl fmt::Display for Error {
                 Ok(())
             }
             Self::NoRows { place } => write!(f, "{place}: no rows"),
+            Self::Column {
+                place,
+                expected,
+                found,
+            } => write!(f, "{place}: no column {expected}; there are: {found}"),
+            Self::Spacing {
+                place,
+                value,
+                previous,
+                period,
+            } => write!(
+                f,
+                "{place}: time = {value} s comes {:.3e} s after {previous} s: times must be multiples of the period, \
+                 {period:.3e} s, apart",
+                value - previous
+            ),
+            Self::Implausible { place, message } => write!(f, "{place}: {message}"),
+            Self::Measurement { file, source } => write!(f, "{file}: {source}"),
             Self::Setting {
                 name,
                 value,
@@ -370,6 +408,7 @@ impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Read { source, .. } => Some(source),
+            Self::Measurement { source, .. } => Some(source),
             _ => None,
         }
     }

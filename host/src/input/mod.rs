@@ -2,6 +2,7 @@
 
 pub mod connections;
 mod error;
+pub mod measurement;
 pub mod parameters;
 pub mod roles;
 pub mod setpoints;

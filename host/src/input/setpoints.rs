@@ -83,6 +83,13 @@ pub struct AngleLimits {
     pub upper: f64,
 }
 
+impl AngleLimits {
+    /// Whether an angle \[rad\] lies within them.
+    pub fn contains(&self, angle: f64) -> bool {
+        (self.lower..=self.upper).contains(&angle)
+    }
+}
+
 impl Table {
     /// One setpoint for the whole run.
     pub fn constant(setpoint: f64) -> Self {
@@ -198,9 +205,10 @@ impl Table {
             value: value.to_string(),
             range,
         };
-        if let Some(AngleLimits { lower, upper }) = limits
-            && !(lower..=upper).contains(&values[0])
+        if let Some(limits) = limits
+            && !limits.contains(values[0])
         {
+            let AngleLimits { lower, upper } = limits;
             let range = format!(
                 "[{}, {}] rad, the limits of the angle",
                 short(lower),

@@ -1,4 +1,6 @@
-//! Writes a run to a folder: `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs logged.
+//! Writes a result to a folder: a run as `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs
+//! logged; an identification as `identified.ssv`, `identification.json`, `report.html` and, if asked for, its
+//! measurements.
 //!
 //! Files appear whole or not at all: they are written beside the folder and moved when all are complete. A run
 //! that fails leaves no folders either; one that ends before its time leaves its samples until then in
@@ -8,6 +10,7 @@ mod chart;
 mod decimate;
 pub mod experiments;
 mod figures;
+mod identification;
 mod page;
 mod report;
 mod svg;
@@ -65,6 +68,26 @@ const PARTIAL: [&str; 3] = [
 ];
 /// What the FMUs logged, if they did.
 const LOG: &str = "log.txt";
+/// What an identification writes beside its report.
+const PARAMETERS: &str = "identified.ssv";
+const IDENTIFICATION: &str = "identification.json";
+const MEASUREMENTS: [&str; 2] = ["excitation.csv", "validation.csv"];
+const PARTIAL_MEASUREMENTS: [&str; 3] = [
+    "approach-partial.csv",
+    "excitation-partial.csv",
+    "validation-partial.csv",
+];
+/// What not every run or identification writes: a file of an earlier one would pass for this one's.
+const OF_A_RUN: [&str; 4] = [LOG, PARTIAL[0], PARTIAL[1], PARTIAL[2]];
+const OF_AN_IDENTIFICATION: [&str; 7] = [
+    PARAMETERS,
+    WHOLE[2],
+    MEASUREMENTS[0],
+    MEASUREMENTS[1],
+    PARTIAL_MEASUREMENTS[0],
+    PARTIAL_MEASUREMENTS[1],
+    PARTIAL_MEASUREMENTS[2],
+];
 
 impl OutputFolder {
     /// Checks that `path` can be written. An existing folder keeps its other files.
@@ -134,14 +157,14 @@ impl OutputFolder {
         if !log.is_empty() {
             fs::write(file(LOG), log)?;
         }
-        self.publish()
+        self.publish(&OF_A_RUN)
     }
 
-    fn publish(&mut self) -> io::Result<()> {
+    /// Moves all files to their places; those of `stale` that are not written now go.
+    fn publish(&mut self, stale: &[&str]) -> io::Result<()> {
         check_targets(&self.path)?;
         self.made.folder(&self.path)?;
-        // Files that not every run writes: those of an earlier run would pass for this one's.
-        for name in PARTIAL.into_iter().chain([LOG]) {
+        for name in stale {
             match fs::remove_file(self.path.join(name)) {
                 Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
                 _ => {}
@@ -165,7 +188,8 @@ fn names(outcome: &Outcome) -> [&'static str; 3] {
 
 /// Whether files can take their places in `folder`: found out before the first one does.
 fn check_targets(folder: &Path) -> io::Result<()> {
-    for name in WHOLE.into_iter().chain(PARTIAL).chain([LOG]) {
+    let names = WHOLE.into_iter().chain(PARTIAL).chain([LOG]);
+    for name in names.chain(OF_AN_IDENTIFICATION).chain([IDENTIFICATION]) {
         if folder.join(name).is_dir() {
             let why = format!("{name} is a folder there");
             return Err(io::Error::new(io::ErrorKind::IsADirectory, why));

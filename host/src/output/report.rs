@@ -8,7 +8,10 @@ use crate::run::recording::Recording;
 use std::fmt::Write;
 
 /// Height of one panel \[px\].
-const PANEL: usize = 260;
+pub(super) const PANEL: usize = 260;
+
+/// Title of an axis of time.
+pub(super) const TIME: &str = "time [s]";
 
 // One for each trace: the panels share a legend.
 const SETPOINT: &str = "#9ca3af";
@@ -60,7 +63,7 @@ pub(super) fn html(outcome: &Outcome) -> String {
         let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
     }
     let chart = Chart {
-        axis: "time [s]".to_owned(),
+        axis: TIME.to_owned(),
         log: false,
         panels: panels(outcome),
     };
@@ -69,7 +72,8 @@ pub(super) fn html(outcome: &Outcome) -> String {
     page
 }
 
-const HEAD: &str = r#"<!doctype html>
+/// Beginning of a page.
+pub(super) const HEAD: &str = r#"<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">

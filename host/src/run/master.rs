@@ -3,12 +3,13 @@
 //! Time is an integer count of communication steps. Nothing in a step looks up a name or allocates.
 
 use super::plan::{Inputs, Plan, SETPOINT, step_of};
-use super::recording::Recording;
+use super::recording::{Recording, Slot};
 use super::score::{Score, Scorer, Terms};
 use super::{Instances, Order, Simulation};
 use crate::Error;
 use crate::fmu::Instance;
-use crate::input::setpoints::Table;
+use crate::input::roles::Role;
+use crate::input::setpoints::{AngleLimits, Table};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -24,6 +25,8 @@ pub(super) struct Master {
     record_every: usize,
     recording: Recording,
     scorer: Scorer,
+    /// The angle and where it must stay.
+    guard: Option<(Slot, AngleLimits)>,
     controller_time: Duration,
 }
 
@@ -55,6 +58,7 @@ impl Master {
             order: simulation.order,
             record_every: simulation.record_every,
             scorer: Scorer::new(&recording, terms),
+            guard: recording.slot(Role::Angle).zip(simulation.stop_outside),
             recording,
             controller_time: Duration::ZERO,
         };
@@ -108,6 +112,16 @@ impl Master {
                 self.recording.push(&self.row);
             }
             self.done = k + 1;
+            if let Some((slot, limits)) = self.guard {
+                let angle = slot.value(&self.row);
+                if !limits.contains(angle) {
+                    return Err(Error::LeftRange {
+                        angle,
+                        time,
+                        limits,
+                    });
+                }
+            }
         }
         self.read_plant(plant)?;
         self.scorer.last(&self.row);

@@ -86,6 +86,8 @@ pub struct Simulation {
     pub record_every: usize,
     /// Asks the FMUs for debug messages.
     pub logging: bool,
+    /// Stops the run when the angle leaves these.
+    pub stop_outside: Option<AngleLimits>,
 }
 
 impl Simulation {
@@ -103,6 +105,7 @@ impl Simulation {
             order: Order::Sequential,
             record_every: 1,
             logging: false,
+            stop_outside: None,
         }
     }
 
@@ -380,7 +383,7 @@ fn both<T>(known: impl Fn(Side) -> Option<T>) -> Option<T> {
     known(Side::Plant).or_else(|| known(Side::Controller))
 }
 
-fn angle_limits(pair: Pair<'_>, values: &StartValues) -> Option<AngleLimits> {
+pub(crate) fn angle_limits(pair: Pair<'_>, values: &StartValues) -> Option<AngleLimits> {
     both(|side| {
         Some(AngleLimits {
             lower: values.number(pair, side, "limits.angle_lower")?,

@@ -1,0 +1,152 @@
+//! Identification of an arm from measurements in files, or from experiments on a plant (sec 3.1).
+//!
+//! The mathematics is that of the crate `identification`; here its input is made and its result described.
+
+mod bench;
+pub mod experiment;
+mod parameters;
+mod summary;
+
+pub use experiment::{Experiment, Failed, from_plant};
+pub use parameters::parameter_set;
+pub use summary::Summary;
+
+use crate::Error;
+use crate::input;
+use crate::input::measurement::{self, Options, Signals};
+use ::identification::tube::{self, Tube};
+use ::identification::{Identification, Measurement, Series, Settings};
+use std::path::{Path, PathBuf};
+
+/// Signals of an experiment with the torque that the identified arm gives for its motion.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// What the experiment is called.
+    pub name: String,
+    /// What was measured.
+    pub signals: Signals,
+    /// Filtered torque, measured and reconstructed (figs 4b, 5b).
+    pub series: Series,
+}
+
+/// An identified arm.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// φ, its errors and how it was found.
+    pub identification: Identification,
+    /// How the measurement was filtered.
+    pub settings: Settings,
+    /// Time between two samples \[s\].
+    pub period: f64,
+    /// The measurement that φ comes from.
+    pub measurement: Compared,
+    /// Another one.
+    pub validation: Option<Compared>,
+    /// What to leave to the feedback.
+    pub tube: Option<Tube>,
+    /// What to know before the result is used.
+    pub warnings: Vec<String>,
+}
+
+/// Length of the filter if none is given \[s\]: the paper's 101 taps at 4 kHz.
+const FILTER: f64 = 0.025_25;
+
+/// An odd number of taps, which delays by whole samples, that lasts as long as the paper's filter.
+pub fn taps(period: f64) -> usize {
+    2 * (0.5 * FILTER / period).floor().clamp(1.0, 5000.0) as usize + 1
+}
+
+/// Measurements in files.
+#[derive(Clone, Debug)]
+pub struct Files {
+    /// What to identify from.
+    pub measurement: PathBuf,
+    /// What to validate with.
+    pub validation: Option<PathBuf>,
+    /// How they are to be read.
+    pub options: Options,
+}
+
+/// Identifies from files. Without `taps` in the settings the filter lasts as long as the paper's.
+///
+/// # Errors
+/// Files that are not measurements, and measurements that do not identify an arm.
+pub fn from_files(
+    files: &Files,
+    settings: &Settings,
+    taps_given: bool,
+) -> Result<Identified, Error> {
+    let read = |path: &Path| measurement::read(path, &files.options);
+    let (measured, signals) = read(&files.measurement)?;
+    let second = files.validation.as_deref().map(read).transpose()?;
+    let mut settings = settings.clone();
+    if !taps_given {
+        settings.taps = taps(measured.period);
+    }
+    let name = |path: &Path| path.display().to_string();
+    let blame = |path: &Path| {
+        let file = name(path);
+        move |source| Error::Input(input::Error::Measurement { file, source })
+    };
+    let identification =
+        ::identification::identify(&measured, &settings).map_err(blame(&files.measurement))?;
+    let compare = |path: &Path, m: &Measurement, signals: Signals| {
+        let compared = compare(name(path), &identification, m, &settings, signals);
+        compared.map_err(blame(path))
+    };
+    let first = compare(&files.measurement, &measured, signals)?;
+    let validation = match (files.validation.as_deref(), second) {
+        (Some(path), Some((measurement, signals))) => Some(compare(path, &measurement, signals)?),
+        _ => None,
+    };
+    let tube = propose(&validation.as_ref().unwrap_or(&first).signals);
+    let mut warnings = identification.warnings.clone();
+    warnings.extend(gaps(&measured));
+    Ok(Identified {
+        warnings,
+        period: measured.period,
+        identification,
+        settings,
+        measurement: first,
+        validation,
+        tube,
+    })
+}
+
+fn compare(
+    name: String,
+    identification: &Identification,
+    measurement: &Measurement,
+    settings: &Settings,
+    signals: Signals,
+) -> Result<Compared, ::identification::Error> {
+    let regression = settings.regression(measurement)?;
+    Ok(Compared {
+        name,
+        series: Series::new(&identification.parameters, &regression),
+        signals,
+    })
+}
+
+/// A tube from an experiment that shows reference, feedforward and feedback.
+fn propose(signals: &Signals) -> Option<Tube> {
+    let reference = signals.reference.as_ref()?;
+    let pairs = signals.angle.iter().zip(reference);
+    let error: Vec<f64> = pairs.map(|(angle, reference)| angle - reference).collect();
+    tube::propose(
+        &error,
+        signals.feedforward.as_ref()?,
+        signals.feedback.as_ref()?,
+    )
+}
+
+fn gaps(measurement: &Measurement) -> Option<String> {
+    let count = measurement.segments.len();
+    (count > 1).then(|| {
+        format!(
+            "samples are missing in {} places: each of the {count} stretches is filtered for itself, and begins \
+             to count once the hysteresis has forgotten its start",
+            count - 1
+        )
+    })
+}

@@ -1,0 +1,289 @@
+//! What an identification comes to: for people tables, for scripts JSON.
+
+use super::{Compared, Identified};
+use ::identification::Fit;
+use ::identification::regression::Order;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use comfy_table::{CellAlignment, Table};
+use serde::{Deserialize, Serialize};
+
+/// A parameter with its error.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct ParameterSummary {
+    /// Name in the contract.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub sigma: f64,
+    /// Root mean square of its share of the torque, its mean apart \[N·m\].
+    pub torque_n_m: f64,
+    /// Whether the measurement determines it.
+    pub identifiable: bool,
+}
+
+/// A number of harmonics that was tried.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct CandidateSummary {
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// Cogging frequency that fits best with them \[1/rad\].
+    pub frequency: f64,
+    /// Root mean square of what they leave unexplained in blocks that were left out \[N·m\].
+    pub left_out_rms_n_m: f64,
+}
+
+/// Measures of a fit.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct FitSummary {
+    /// Experiment or file.
+    pub measurement: String,
+    /// Rows compared.
+    pub rows: usize,
+    /// Root mean square of measured minus reconstructed torque \[N·m\].
+    pub residual_rms_n_m: f64,
+    /// Largest residual \[N·m\].
+    pub residual_max_n_m: f64,
+    /// Standard deviation of the measured torque \[N·m\].
+    pub torque_deviation_n_m: f64,
+    /// `residual_rms_n_m` by `torque_deviation_n_m`.
+    pub nrmse: f64,
+}
+
+impl FitSummary {
+    fn new(compared: &Compared, fit: Fit) -> Self {
+        Self {
+            measurement: compared.name.clone(),
+            rows: fit.rows,
+            residual_rms_n_m: fit.residual,
+            residual_max_n_m: fit.largest,
+            torque_deviation_n_m: fit.torque,
+            nrmse: fit.nrmse,
+        }
+    }
+}
+
+/// What to leave to the feedback.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct TubeSummary {
+    /// `nmpc.angle_margin` \[rad\].
+    pub angle_margin_rad: f64,
+    /// `nmpc.thermal_share`.
+    pub thermal_share: f64,
+    /// Largest tracking error seen \[rad\].
+    pub largest_error_rad: f64,
+    /// Share of the feedback in the torque seen.
+    pub feedback_share: f64,
+}
+
+/// How the measurement was filtered.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct FilterSummary {
+    /// Taps of the Hann window.
+    pub taps: usize,
+    /// `regressors` or `signals`: what it was applied to.
+    pub order: String,
+    /// Period of the measurement \[s\].
+    pub period_s: f64,
+}
+
+/// What an identification comes to.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct Summary {
+    /// Every parameter.
+    pub parameters: Vec<ParameterSummary>,
+    /// Number of harmonics.
+    pub harmonics: usize,
+    /// What their number was chosen from.
+    pub candidates: Vec<CandidateSummary>,
+    /// Condition number of the scaled regressors.
+    pub condition: f64,
+    /// Angles that the measurement covers \[rad\].
+    pub range_rad: [f64; 2],
+    /// Whether friction holds the arm at rest: parameters then come from where it slides, and fits are judged
+    /// in motion.
+    pub sticks: bool,
+    /// Filter.
+    pub filter: FilterSummary,
+    /// Fit of the measurement that the parameters come from.
+    pub fit: FitSummary,
+    /// Fit of another measurement.
+    pub validation: Option<FitSummary>,
+    /// Residual that any smooth torque over the angle would leave \[N·m\]: far below `fit` means that cogging
+    /// harmonics do not describe the arm.
+    pub residual_of_any_curve_n_m: f64,
+    /// Margins for the planner.
+    pub tube: Option<TubeSummary>,
+    /// What to know before the result is used.
+    pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Of an identified arm.
+    pub fn new(identified: &Identified) -> Self {
+        let found = &identified.identification;
+        let fit = |compared: &Compared| {
+            let series = &compared.series;
+            let fit = if found.sticks {
+                series.fit_in_motion()
+            } else {
+                series.fit()
+            };
+            FitSummary::new(compared, fit)
+        };
+        Self {
+            parameters: found
+                .estimates
+                .iter()
+                .map(|e| ParameterSummary {
+                    name: e.name.clone(),
+                    unit: e.unit.to_owned(),
+                    value: e.value,
+                    sigma: e.sigma,
+                    torque_n_m: e.torque,
+                    identifiable: e.identifiable,
+                })
+                .collect(),
+            harmonics: found.harmonics,
+            candidates: found
+                .candidates
+                .iter()
+                .map(|c| CandidateSummary {
+                    harmonics: c.harmonics,
+                    frequency: c.frequency,
+                    left_out_rms_n_m: c.score,
+                })
+                .collect(),
+            condition: found.condition,
+            range_rad: found.range,
+            sticks: found.sticks,
+            filter: FilterSummary {
+                taps: identified.settings.taps,
+                order: match identified.settings.order {
+                    Order::Regressors => "regressors".to_owned(),
+                    Order::Signals => "signals".to_owned(),
+                },
+                period_s: identified.period,
+            },
+            fit: fit(&identified.measurement),
+            validation: identified.validation.as_ref().map(fit),
+            residual_of_any_curve_n_m: found.residual_of_any_curve,
+            tube: identified.tube.map(|tube| TubeSummary {
+                angle_margin_rad: tube.angle_margin,
+                thermal_share: tube.thermal_share,
+                largest_error_rad: tube.largest_error,
+                feedback_share: tube.feedback_share,
+            }),
+            warnings: identified.warnings.clone(),
+        }
+    }
+
+    /// Name, value, σ and unit of every parameter, as text.
+    pub fn parameter_rows(&self) -> Vec<[String; 4]> {
+        let row = |p: &ParameterSummary| {
+            let [value, sigma] = with_error(p.value, p.sigma);
+            [p.name.clone(), value, sigma, p.unit.clone()]
+        };
+        self.parameters.iter().map(row).collect()
+    }
+
+    /// Name, value and unit of every other quantity, as text.
+    pub fn rows(&self) -> Vec<[String; 3]> {
+        let mut rows = Vec::new();
+        let mut row = |name: String, value: String, unit: &str| {
+            rows.push([name, value, unit.to_owned()]);
+        };
+        row(
+            "cogging harmonics".to_owned(),
+            self.harmonics.to_string(),
+            "",
+        );
+        row(
+            "condition number".to_owned(),
+            format!("{:.0}", self.condition),
+            "",
+        );
+        for fit in [Some(&self.fit), self.validation.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            let name = |what: &str| format!("{}: {what}", fit.measurement);
+            row(
+                name("NRMSE of the torque"),
+                format!("{:.3}", 100.0 * fit.nrmse),
+                "%",
+            );
+            row(
+                name("residual"),
+                format!("{:.2e}", fit.residual_rms_n_m),
+                "N.m",
+            );
+        }
+        if let Some(tube) = &self.tube {
+            row(
+                "nmpc.angle_margin".to_owned(),
+                format!("{:.5}", tube.angle_margin_rad),
+                "rad",
+            );
+            row(
+                "nmpc.thermal_share".to_owned(),
+                format!("{:.3}", tube.thermal_share),
+                "1",
+            );
+        }
+        rows
+    }
+
+    /// Both tables, aligned.
+    pub fn table(&self) -> String {
+        let mut parameters = Table::new();
+        parameters.load_style(UTF8_BORDERS_ONLY).set_header([
+            "parameter",
+            "value",
+            "sigma",
+            "unit",
+        ]);
+        parameters.add_rows(self.parameter_rows());
+        let mut rest = Table::new();
+        rest.load_style(UTF8_BORDERS_ONLY)
+            .set_header(["quantity", "value", "unit"]);
+        rest.add_rows(self.rows());
+        for column in [1, 2] {
+            if let Some(column) = parameters.column_mut(column) {
+                column.set_cell_alignment(CellAlignment::Right);
+            }
+        }
+        if let Some(column) = rest.column_mut(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        format!("{}\n{}", parameters.trim_fmt(), rest.trim_fmt())
+    }
+}
+
+/// A value with as many decimals as its error has two digits for, and the error.
+fn with_error(value: f64, sigma: f64) -> [String; 2] {
+    if !(sigma > 0.0 && sigma.is_finite()) {
+        return [format!("{value:.6}"), format!("{sigma}")];
+    }
+    let decimals = (1.0 - sigma.log10().floor()).clamp(0.0, 12.0) as usize;
+    [format!("{value:.decimals$}"), format!("{sigma:.decimals$}")]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_decide_the_digits() {
+        for (value, sigma, text) in [
+            (0.081_812_345, 0.000_012, ["0.081812", "0.000012"]),
+            (9.72, 0.0213, ["9.720", "0.021"]),
+            (123.4, 45.0, ["123", "45"]),
+            (0.0, 0.0, ["0.000000", "0"]),
+        ] {
+            assert_eq!(with_error(value, sigma), text.map(str::to_owned));
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! An identification in a folder: parameters, numbers, report and measurements.
+
+use super::chart::{Chart, Panel, Trace, escape, script};
+use super::report::{HEAD, PANEL, TIME};
+use super::{
+    IDENTIFICATION, MEASUREMENTS, OF_AN_IDENTIFICATION, OutputFolder, PARAMETERS,
+    PARTIAL_MEASUREMENTS, WHOLE,
+};
+use crate::Error;
+use crate::experiment::Style;
+use crate::identify::{Compared, Identified, Summary, parameter_set};
+use crate::input::measurement::Signals;
+use model_description::ssv;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Points of the curve of the torque over the angle.
+const CURVE: usize = 400;
+
+// One for each trace: the panels share a legend.
+const MEASURED: &str = "#1f3a5f";
+const RECONSTRUCTED: &str = "#f59e0b";
+const RESIDUAL: &str = "#7c3aed";
+const ANGLE: &str = "#0f766e";
+const REFERENCE: &str = "#9ca3af";
+const ERROR: &str = "#dc2626";
+const FEEDFORWARD: &str = "#16a34a";
+const FEEDBACK: &str = "#db2777";
+const CURVE_COLOR: &str = "#0891b2";
+
+impl OutputFolder {
+    /// Writes `identified.ssv`, `identification.json`, `report.html` and, if asked for, what was measured. Returns
+    /// the path of the report. On an error no file appears.
+    pub fn write_identification(
+        mut self,
+        identified: &Identified,
+        measurements: bool,
+    ) -> Result<PathBuf, Error> {
+        self.identification_files(identified, measurements)
+            .map_err(|source| Error::Output {
+                path: self.path.clone(),
+                source,
+            })?;
+        Ok(self.path.join(WHOLE[2]))
+    }
+
+    fn identification_files(
+        &mut self,
+        identified: &Identified,
+        measurements: bool,
+    ) -> io::Result<()> {
+        let summary = Summary::new(identified);
+        let file = |name: &str| self.partial.path().join(name);
+        let set = parameter_set(
+            &identified.identification.parameters,
+            identified.tube.as_ref(),
+            &description(&summary),
+        );
+        fs::write(file(PARAMETERS), ssv::write(&set))?;
+        let mut json = serde_json::to_string_pretty(&summary)?;
+        json.push('\n');
+        fs::write(file(IDENTIFICATION), json)?;
+        fs::write(file(WHOLE[2]), html(identified, &summary))?;
+        if measurements {
+            let compared = [
+                Some(&identified.measurement),
+                identified.validation.as_ref(),
+            ];
+            for (name, compared) in MEASUREMENTS.into_iter().zip(compared) {
+                if let Some(compared) = compared {
+                    write_signals(&compared.signals, &file(name))?;
+                }
+            }
+        }
+        self.publish(&OF_AN_IDENTIFICATION)
+    }
+
+    /// Writes what a failing experiment recorded, as `EXPERIMENT-partial.csv`, and `identification.json` that says so.
+    /// Returns the path of the former.
+    pub fn write_partial(
+        mut self,
+        experiment: &str,
+        signals: &Signals,
+        error: &Error,
+    ) -> Result<PathBuf, Error> {
+        let name = PARTIAL_MEASUREMENTS
+            .into_iter()
+            .find(|name| name.strip_suffix("-partial.csv") == Some(experiment))
+            .unwrap_or(PARTIAL_MEASUREMENTS[1]);
+        let mut files = || {
+            let json = serde_json::json!({
+                "partial": true,
+                "experiment": experiment,
+                "file": name,
+                "error": error.to_string(),
+                "recorded_until_s": signals.time.last(),
+                "samples": signals.time.len(),
+            });
+            let text = format!("{}\n", serde_json::to_string_pretty(&json)?);
+            fs::write(self.partial.path().join(IDENTIFICATION), text)?;
+            write_signals(signals, &self.partial.path().join(name))?;
+            self.publish(&OF_AN_IDENTIFICATION)
+        };
+        files().map_err(|source| Error::Output {
+            path: self.path.clone(),
+            source,
+        })?;
+        Ok(self.path.join(name))
+    }
+}
+
+/// What an SSV file can say beside its values.
+fn description(summary: &Summary) -> String {
+    let mut text = format!(
+        "Identified from {} rows, {} cogging harmonics, NRMSE of the torque {:.3} %",
+        summary.fit.rows,
+        summary.harmonics,
+        100.0 * summary.fit.nrmse
+    );
+    // Formatting to a String cannot fail.
+    if let Some(tube) = &summary.tube {
+        let _ = write!(
+            text,
+            ". nmpc.angle_margin is twice the largest tracking error seen; nmpc.thermal_share leaves the feedback \
+             twice its share of {:.2} % seen",
+            100.0 * tube.feedback_share
+        );
+    }
+    for p in summary.parameters.iter().filter(|p| !p.identifiable) {
+        let _ = write!(
+            text,
+            ". Not identifiable: {} (sigma {:.1e})",
+            p.name, p.sigma
+        );
+    }
+    text
+}
+
+/// In the format that `flexarm identify --measurement` reads; numbers read back exactly.
+fn write_signals(signals: &Signals, path: &Path) -> io::Result<()> {
+    let optional = [
+        ("reference", &signals.reference),
+        ("feedforward_torque", &signals.feedforward),
+        ("feedback_torque", &signals.feedback),
+    ];
+    let present: Vec<(&str, &Vec<f64>)> = optional
+        .iter()
+        .filter_map(|(name, values)| Some((*name, values.as_ref()?)))
+        .collect();
+    let mut file = BufWriter::with_capacity(1 << 20, fs::File::create(path)?);
+    let mut line = String::from("time,angle,torque");
+    for (name, _) in &present {
+        let _ = write!(line, ",{name}");
+    }
+    line.push('\n');
+    file.write_all(line.as_bytes())?;
+    for row in 0..signals.time.len() {
+        line.clear();
+        let [time, angle, torque] =
+            [&signals.time, &signals.angle, &signals.torque].map(|signal| signal[row]);
+        let _ = write!(line, "{time:?},{angle:?},{torque:?}");
+        for (_, values) in &present {
+            let _ = write!(line, ",{:?}", values[row]);
+        }
+        line.push('\n');
+        file.write_all(line.as_bytes())?;
+    }
+    file.flush()
+}
+
+/// The page.
+fn html(identified: &Identified, summary: &Summary) -> String {
+    let title = format!("Identification from {}", identified.measurement.name);
+    let mut page = String::from(HEAD);
+    let _ = write!(
+        page,
+        "<title>{0}</title>\n{1}</head>\n<body>\n<h1>{0}</h1>\n<table>\n",
+        escape(&title),
+        script(),
+    );
+    for [name, value, unit] in summary.rows() {
+        row(&mut page, &[&name, &value, &unit]);
+    }
+    page.push_str("</table>\n");
+    for warning in &summary.warnings {
+        let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
+    }
+    page.push_str("<h2>Parameters</h2>\n<table>\n");
+    for [name, value, sigma, unit] in summary.parameter_rows() {
+        row(&mut page, &[&name, &format!("{value} ± {sigma}"), &unit]);
+    }
+    page.push_str("</table>\n");
+    let curve = curve(identified);
+    let mut section = |heading: &str, id: &str, panels: Vec<Panel>, axis: &str| {
+        let _ = writeln!(page, "<h2>{}</h2>", escape(heading));
+        let chart = Chart {
+            axis: axis.to_owned(),
+            log: false,
+            panels,
+        };
+        page.push_str(&chart.interactive(id, PANEL));
+        page.push('\n');
+    };
+    section("Torque over the angle", "curve", vec![curve], "angle [rad]");
+    let named = [
+        Some(&identified.measurement),
+        identified.validation.as_ref(),
+    ];
+    for (index, compared) in named.into_iter().flatten().enumerate() {
+        let heading = if index == 0 {
+            "Measurement"
+        } else {
+            "Validation"
+        };
+        section(
+            &format!("{heading}: {}", compared.name),
+            &format!("plots{index}"),
+            panels(compared),
+            TIME,
+        );
+    }
+    page.push_str("</body>\n</html>\n");
+    page
+}
+
+fn row(page: &mut String, [name, value, unit]: &[&str; 3]) {
+    let _ = writeln!(
+        page,
+        "<tr><th>{}</th><td>{}</td><td class=\"unit\">{}</td></tr>",
+        escape(name),
+        escape(value),
+        escape(unit)
+    );
+}
+
+/// g(θ) over the angles that were measured.
+fn curve(identified: &Identified) -> Panel {
+    let found = &identified.identification;
+    let [low, high] = found.range;
+    let angle: Vec<f64> = (0..=CURVE)
+        .map(|i| low + (high - low) * i as f64 / CURVE as f64)
+        .collect();
+    let torque = angle.iter().map(|a| found.parameters.position_torque(*a));
+    let torque: Vec<f64> = torque.collect();
+    let name = "torque that holds the arm";
+    panel(
+        "g [N.m]",
+        vec![Trace::new(name, CURVE_COLOR, Style::Line, &angle, &torque)],
+    )
+}
+
+/// Figures 4, 5 and 6 of the paper, as far as the signals go.
+fn panels(compared: &Compared) -> Vec<Panel> {
+    let (series, signals) = (&compared.series, &compared.signals);
+    let fitted = |values: &[f64], name: &str, color, style| {
+        Trace::new(name, color, style, &series.time, values)
+    };
+    let raw = |values: &[f64], name: &str, color, style| {
+        Trace::new(name, color, style, &signals.time, values)
+    };
+    let (line, dashed) = (Style::Line, Style::Dashed);
+    let milli: Vec<f64> = series.residuals().iter().map(|r| 1e3 * r).collect();
+    let reconstructed = &series.reconstructed;
+    let mut panels = vec![
+        panel(
+            "torque, filtered [N.m]",
+            vec![
+                fitted(&series.measured, "measured torque", MEASURED, line),
+                fitted(reconstructed, "reconstructed torque", RECONSTRUCTED, dashed),
+            ],
+        ),
+        panel(
+            "residual [mN.m]",
+            vec![fitted(&milli, "residual", RESIDUAL, line)],
+        ),
+    ];
+    let mut angle = vec![raw(&signals.angle, "angle", ANGLE, line)];
+    if let Some(reference) = &signals.reference {
+        angle.push(raw(reference, "reference", REFERENCE, dashed));
+    }
+    panels.push(panel("angle [rad]", angle));
+    if let Some(reference) = &signals.reference {
+        let pairs = signals.angle.iter().zip(reference);
+        let error: Vec<f64> = pairs.map(|(a, r)| 1e3 * (a - r)).collect();
+        panels.push(panel(
+            "angle - reference [mrad]",
+            vec![raw(&error, "tracking error", ERROR, line)],
+        ));
+    }
+    let split: Vec<Trace> = [
+        (&signals.feedforward, "feedforward", FEEDFORWARD),
+        (&signals.feedback, "feedback", FEEDBACK),
+    ]
+    .into_iter()
+    .filter_map(|(values, name, color)| Some(raw(values.as_ref()?, name, color, line)))
+    .collect();
+    if !split.is_empty() {
+        panels.push(panel("torque [N.m]", split));
+    }
+    panels
+}
+
+fn panel(title: &str, traces: Vec<Trace>) -> Panel {
+    Panel {
+        title: title.to_owned(),
+        traces,
+        ticks: Vec::new(),
+        from_zero: false,
+    }
+}

@@ -1,0 +1,110 @@
+//! A stretch of samples as rows: differences, hysteresis and filter (eqs 11, 13).
+
+use crate::Hann;
+use crate::measurement::{Measurement, Segment, Timing};
+use crate::regression::{LINEAR, Order};
+use arm::hysteresis;
+
+/// Move after which eq 13 has forgotten 99 % of where z started \[rad\].
+const FORGETTING: f64 = 2.0 * hysteresis::DISPLACEMENT * 4.6;
+
+/// What is left of a segment.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    /// Time of the first row \[s\].
+    pub(crate) start: f64,
+    /// What the cogging is computed from: every angle for [`Order::Regressors`], the filtered one of each row for
+    /// [`Order::Signals`].
+    pub(crate) angle: Vec<f64>,
+    /// Filtered α, ω, θ, 1, z.
+    pub(crate) linear: [Vec<f64>; LINEAR],
+    pub(crate) torque: Vec<f64>,
+}
+
+/// z by eq 13 along the angle, from 0 on, and the sample from which on that start is forgotten.
+fn dahl(angle: &[f64]) -> (Vec<f64>, usize) {
+    let mut z = Vec::with_capacity(angle.len());
+    let (mut state, mut travelled, mut settled) = (0.0, 0.0, angle.len());
+    for (k, here) in angle.iter().enumerate() {
+        let step = if k == 0 { 0.0 } else { here - angle[k - 1] };
+        if step != 0.0 {
+            state = hysteresis::update(state, step);
+        }
+        travelled += step.abs();
+        if travelled >= FORGETTING && settled == angle.len() {
+            settled = k;
+        }
+        z.push(state);
+    }
+    (z, settled)
+}
+
+impl Piece {
+    /// None: too short to leave a row, from where z has forgotten its start on if it is to `wait` for that.
+    pub(crate) fn new(
+        segment: &Segment,
+        measurement: &Measurement,
+        filter: &Hann,
+        order: Order,
+        stride: usize,
+        wait: bool,
+    ) -> Option<Self> {
+        let n = segment.angle.len().min(segment.torque.len());
+        if n < filter.taps().len() + 2 {
+            return None;
+        }
+        let (angle, h) = (&segment.angle[..n], measurement.period);
+        let acting: Vec<f64> = match measurement.timing {
+            Timing::Held => segment.torque[..n]
+                .windows(2)
+                .map(|t| 0.5 * (t[0] + t[1]))
+                .collect(),
+            Timing::Sampled => segment.torque[1..n].to_vec(),
+        };
+        // All signals at samples 1 … n − 2, the first and the last of which have neighbours.
+        let acceleration = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]) / (h * h);
+        let velocity = |w: &[f64]| (w[2] - w[0]) / (2.0 * h);
+        let difference = |of: &dyn Fn(&[f64]) -> f64| angle.windows(3).map(of).collect::<Vec<_>>();
+        let inner = &angle[1..n - 1];
+        let (z, settled) = match order {
+            Order::Regressors => {
+                let (z, settled) = dahl(angle);
+                (z[1..n - 1].to_vec(), settled.saturating_sub(1))
+            }
+            Order::Signals => {
+                let smooth: Vec<f64> = filter.apply(inner, 1).collect();
+                dahl(&smooth)
+            }
+        };
+        // The first row whose window holds no sample from before z forgot its start.
+        let first = if wait { settled } else { 0 };
+        if first >= inner.len() {
+            return None;
+        }
+        let every = |x: &[f64]| filter.apply(&x[first..], stride).collect::<Vec<_>>();
+        let torque = every(&acting[..inner.len()]);
+        if torque.is_empty() {
+            return None;
+        }
+        let theta = every(inner);
+        let (hysteresis, of_cogging) = match order {
+            Order::Regressors => (every(&z), inner[first..].to_vec()),
+            Order::Signals => (
+                z[first..].iter().copied().step_by(stride).collect(),
+                theta.clone(),
+            ),
+        };
+        Some(Self {
+            start: segment.start + h * (1 + first + filter.delay()) as f64,
+            linear: [
+                every(&difference(&acceleration)),
+                every(&difference(&velocity)),
+                theta,
+                vec![1.0; torque.len()],
+                hysteresis,
+            ],
+            angle: of_cogging,
+            torque,
+        })
+    }
+}
