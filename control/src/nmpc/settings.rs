@@ -2,7 +2,8 @@
 
 use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, require};
 
-use super::problem::{FeedbackModel, Problem, Weights};
+use super::problem::{FeedbackModel, Model, Problem, Terminal, Weights};
+use super::torque_bounds::{Scan, TorqueLimit};
 use super::transcription::Transcription;
 
 /// Length of a shooting interval in units of that of the one before, at most.
@@ -10,15 +11,17 @@ pub const GROWTH: f64 = 1.5;
 /// Growth of the tracking error over a horizon beyond which a prediction is worthless.
 const MAX_DEVIATION_GROWTH: f64 = 1e3;
 
-/// Who solves what the plan without inequalities does not.
+/// Who solves what the plan without inequalities does not; numbered as `NmpcSolver` in the contract. Only plans of the nonlinear model that end at rest
+/// are solved by [`super::interior_point`]; for all others it is refused by itself, and not tried at all by
+/// [`Method::Automatic`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// [`super::interior_point`], and where that does not converge [`super::conic`].
-    Automatic,
+    Automatic = 1,
     /// [`super::interior_point`] alone.
-    Riccati,
+    Riccati = 2,
     /// [`super::conic`] alone.
-    Clarabel,
+    Clarabel = 3,
 }
 
 /// Settings of the planner; defaults are those of the T-flex (sec 4.1.1).
@@ -37,6 +40,10 @@ pub struct Settings {
     pub latency: f64,
     /// Whether a plan starts from the state predicted to the time when it is applied.
     pub models_latency: bool,
+    /// What the plan knows of the arm.
+    pub model: Model,
+    /// What is asked of its end.
+    pub terminal: Terminal,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// σ_θ, distance of the reference from the limits (eq 25) \[rad\].
@@ -64,6 +71,8 @@ impl Default for Settings {
             deadline: 0.0,
             latency: 0.0,
             models_latency: true,
+            model: Model::Nonlinear,
+            terminal: Terminal::RestAtGoal,
             weights: Weights {
                 angle: 1.0,
                 velocity: 0.0025,
@@ -101,16 +110,20 @@ impl Settings {
             return Err(errors);
         }
         let used = |used: bool, gain: f64| if used { gain } else { 0.0 };
+        let linear = self.model == Model::Qp;
+        let torque_limit = linear.then(|| self.torque_limit(arm, motor, limits));
         let problem = Problem {
             horizon: usize::try_from(self.horizon).unwrap_or_default(),
             period: self.period,
             growth: if self.duration > 0.0 { GROWTH } else { 1.0 },
             longest: self.longest_interval(),
-            weights: self.weights,
+            weights: Weights {
+                thermal: used(!linear, self.weights.thermal),
+                ..self.weights
+            },
             angle_lower: limits.angle_lower + self.angle_margin,
             angle_upper: limits.angle_upper - self.angle_margin,
-            thermal_limit: self
-                .thermal_limit
+            thermal_limit: (self.thermal_limit && !linear)
                 .then(|| self.thermal_share * self.thermal_share * motor.thermal_limit()),
             arm: *arm,
             motor: *motor,
@@ -123,7 +136,14 @@ impl Settings {
                     feedback.gain_integral,
                 ),
             },
+            model: self.model,
+            terminal: self.terminal,
+            torque_limit,
         };
+        self.validate_torque(&problem, &mut errors);
+        if !errors.is_empty() {
+            return Err(errors);
+        }
         if predictable(&problem) {
             return Ok(problem);
         }
@@ -165,6 +185,55 @@ impl Settings {
             ),
             unit: "s",
         }])
+    }
+
+    /// The torque limit of the linear model (appendix C.3), which knows no heat: with a thermal limit the torque
+    /// that may be given for ever, share·I_lim·Ki, so that the load never rises above the limit; the motor's
+    /// peak without, or where that is less.
+    fn torque_limit(&self, arm: &Parameters, motor: &Motor, limits: &Limits) -> TorqueLimit {
+        let scan = Scan::new(arm, limits.angle_lower, limits.angle_upper);
+        let [lower, upper] = scan.affine_bounds();
+        let for_ever = self.thermal_share * motor.continuous_current * motor.torque_constant;
+        let most = if self.thermal_limit {
+            motor.peak_torque.min(for_ever)
+        } else {
+            motor.peak_torque
+        };
+        TorqueLimit { most, lower, upper }
+    }
+
+    /// Notes a motor too weak for the problem: it must be able to hold the arm somewhere, or everywhere if the
+    /// arm is to be stopped anywhere.
+    fn validate_torque(&self, problem: &Problem, errors: &mut Vec<Inadmissible>) {
+        let (lower, upper) = (problem.angle_lower, problem.angle_upper);
+        let motor = &problem.motor;
+        if let Some(limit) = &problem.torque_limit {
+            let least = limit.least(lower, upper);
+            let thermal = limit.most < motor.peak_torque;
+            if least > limit.most && thermal {
+                errors.push(Inadmissible {
+                    name: "nmpc.thermal_share",
+                    value: self.thermal_share,
+                    admissible: format!(
+                        "at least {:.4}, for nmpc.model = qp to hold the arm somewhere by its bounds of the torque",
+                        least / (motor.continuous_current * motor.torque_constant)
+                    ),
+                    unit: "1",
+                });
+            } else if least > limit.most {
+                errors.push(too_weak(
+                    motor,
+                    least,
+                    "somewhere by the bounds of nmpc.model = qp",
+                ));
+            }
+        } else if self.terminal != Terminal::RestAtGoal {
+            let [least, most] = Scan::new(&problem.arm, lower, upper.max(lower + 1e-9)).extremes();
+            let needed = most.max(-least);
+            if needed >= motor.peak_torque {
+                errors.push(too_weak(motor, needed, "everywhere within its bounds"));
+            }
+        }
     }
 
     /// Shortest and longest duration that the horizon can have \[s\].
@@ -215,6 +284,17 @@ impl Settings {
 
     fn validate(&self, motor: &Motor, limits: &Limits, errors: &mut Vec<Inadmissible>) {
         const WEIGHT: [f64; 2] = [0.0, 1e12];
+        let riccati = self.model == Model::Nonlinear && self.terminal == Terminal::RestAtGoal;
+        if self.solver == Method::Riccati && !riccati {
+            errors.push(Inadmissible {
+                name: "nmpc.solver",
+                value: f64::from(Method::Riccati as i32),
+                admissible: "1 (automatic) or 3 (clarabel): 2 (riccati) solves nmpc.model = 1 (nonlinear) with \
+                             nmpc.terminal = 1 (rest_at_goal) only"
+                    .to_owned(),
+                unit: "1",
+            });
+        }
         let weights = &self.weights;
         // Above the thermal time constant an RK4 step of eq 20 loses its positive weights.
         let longest = f64::min(10.0, motor.thermal_time_constant);
@@ -268,6 +348,16 @@ impl Settings {
         );
         let share = [1e-3, 1.0];
         require(errors, "nmpc.thermal_share", self.thermal_share, share, "1");
+    }
+}
+
+/// A peak torque that cannot hold the arm `where_`, which takes `needed` \[N·m\].
+fn too_weak(motor: &Motor, needed: f64, where_: &str) -> Inadmissible {
+    Inadmissible {
+        name: "motor.peak_torque",
+        value: motor.peak_torque,
+        admissible: format!("enough to hold the arm {where_}: more than {needed:.4}"),
+        unit: "N.m",
     }
 }
 

@@ -6,24 +6,29 @@
 //! | x, spline coefficients | N − 2 | | upper, then lower bounds of θr_1..θr_{N−1} | 2·(N − 1) |
 //! | ζ_1..ζ_N, thermal loads | N | | signs of s | N |
 //! | s_1..s_N, slacks | N | | room of ζ below the limit | N |
+//! | of the safe sets | 4 or 10 | | torque limit ([`super::torque_rows`]) | 4·N |
+//! | | | | of the safe sets ([`super::safe_rows`]) | 8 |
 //! | | | | cones of the intervals: y + 1, y − 1, four currents | 6·N |
+//! | | | | cones of the safe sets | 6 or 24 |
 //!
-//! Without a thermal limit only x and its bounds are there.
+//! Only what the problem has is there. Without terminal rest x has N elements and θr_N bounds.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DataUpdateError, DefaultSolution, DefaultSolver, SupportedConeT};
 use nalgebra::DMatrix;
 
+use super::super::problem::Terminal;
 use super::super::rk4::STAGES;
 use super::super::rollout::{Rollout, Sensitivity};
 use super::super::solver::Task;
 use super::super::spline::{free_columns, gather, stencil};
 use super::super::transcription::Transcription;
+use super::pattern::{Entries, place};
+use super::safe_rows::SafeRows;
+use super::torque_rows;
 
 /// Rows of a thermal cone.
 const CONE: usize = STAGES + 2;
-/// Entries of A that bound the angle, per spline coefficient.
-const BOUNDS: usize = 4;
 
 /// What an answer to the convex problem promises of the true one.
 pub struct Promise {
@@ -38,13 +43,18 @@ pub struct Promise {
 /// The convex problem: patterns fixed at set-up, values posed around a trajectory.
 pub struct Convex {
     horizon: usize,
-    /// Spline coefficients, N − 2.
+    /// Spline coefficients, N − 2 or N.
     free: usize,
+    /// Nodes with bounds of θr, N − 1 or N.
+    bounds: usize,
     /// Thermal loads: N, or none without a limit.
     loads: usize,
     /// Diagonals of P above the main one.
     band: usize,
-    /// Hessian of the cost without heat \[(N − 2) × (N − 2)\].
+    /// Rows of the torque limit: 4·N, or none without one.
+    torque_rows: usize,
+    safe: Option<SafeRows>,
+    /// Hessian of the cost without heat \[free × free\].
     hessian: DMatrix<f64>,
     /// W, A² of thermal load per A² of squared current held for the first interval.
     heat_weight: f64,
@@ -61,7 +71,7 @@ impl Convex {
     /// Lays out the convex problem of `transcription`.
     pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
         let problem = transcription.problem();
-        let (horizon, free) = (problem.horizon, problem.horizon - 2);
+        let (horizon, free) = (problem.horizon, hessian.nrows());
         // An integral in the cost couples every pair of coefficients, all else only neighbours.
         let band = if problem.weights.integral > 0.0 {
             free - 1
@@ -71,8 +81,13 @@ impl Convex {
         let mut convex = Self {
             horizon,
             free,
+            bounds: problem.bounded_nodes(),
             loads: problem.thermal_limit.map_or(0, |_| horizon),
             band,
+            torque_rows: problem
+                .torque_limit
+                .map_or(0, |_| torque_rows::ROWS * horizon),
+            safe: None,
             hessian,
             heat_weight: transcription.interval(0).thermal.weights().iter().sum(),
             p: CscMatrix::zeros((0, 0)),
@@ -83,10 +98,19 @@ impl Convex {
             damping: 0.0,
             sensitivity: Sensitivity::new(horizon),
         };
+        if problem.terminal == Terminal::SafeSet {
+            let (column, row) = (free + 2 * convex.loads, convex.safe_row());
+            let cone = row + SafeRows::LINEAR + CONE * convex.loads;
+            let thermal = convex.loads > 0;
+            convex.safe = Some(SafeRows::new(horizon, thermal, column, row, cone));
+        }
         convex.p = convex.pattern_p();
         convex.a = convex.pattern_a(transcription);
         convex.q = vec![0.0; convex.a.n];
         convex.b = vec![0.0; convex.a.m];
+        if let Some(safe) = &convex.safe {
+            safe.constants(&mut convex.b);
+        }
         convex
     }
 
@@ -104,6 +128,7 @@ impl Convex {
     pub fn cones(&self) -> Vec<SupportedConeT<f64>> {
         let mut cones = vec![SupportedConeT::NonnegativeConeT(self.cone_row(0))];
         cones.extend((0..self.loads).map(|_| SupportedConeT::SecondOrderConeT(CONE)));
+        cones.extend(self.safe.iter().flat_map(SafeRows::cones));
         cones
     }
 
@@ -114,7 +139,7 @@ impl Convex {
 
     /// First row of the slacks' signs.
     fn slack_row(&self) -> usize {
-        2 * (self.horizon - 1)
+        2 * self.bounds
     }
 
     /// First row of the loads' room.
@@ -122,14 +147,35 @@ impl Convex {
         self.slack_row() + self.loads
     }
 
+    /// Row of the room of the last load.
+    fn last_room_row(&self) -> usize {
+        self.room_row() + self.horizon - 1
+    }
+
+    /// First row of the torque limit.
+    fn torque_row(&self) -> usize {
+        self.room_row() + self.loads
+    }
+
+    /// First linear row of the safe sets.
+    fn safe_row(&self) -> usize {
+        self.torque_row() + self.torque_rows
+    }
+
     /// First row of the cone of interval `k`.
     fn cone_row(&self, k: usize) -> usize {
-        self.room_row() + self.loads + CONE * k
+        let safe = self.safe.map_or(0, |_| SafeRows::LINEAR);
+        self.safe_row() + safe + CONE * k
+    }
+
+    fn variables(&self) -> usize {
+        let safe = self.safe.as_ref().map_or(0, SafeRows::variables);
+        self.free + 2 * self.loads + safe
     }
 
     fn pattern_p(&self) -> CscMatrix<f64> {
         let (mut starts, mut rows) = (vec![0], Vec::new());
-        let variables = self.free + 2 * self.loads;
+        let variables = self.variables();
         for column in 0..variables {
             if column < self.free {
                 rows.extend(column.saturating_sub(self.band)..=column);
@@ -140,42 +186,56 @@ impl Convex {
         CscMatrix::new(variables, variables, starts, rows, values)
     }
 
-    /// A with its constant entries; those of the currents are zero until posed.
+    /// A with its constant entries; those of currents and safe sets are zero until posed.
     fn pattern_a(&self, transcription: &Transcription) -> CscMatrix<f64> {
-        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-        let mut close = |column: &[(usize, f64)]| {
-            rows.extend(column.iter().map(|entry| entry.0));
-            values.extend(column.iter().map(|entry| entry.1));
-            starts.push(rows.len());
-        };
+        let mut entries = Entries::default();
         for m in 0..self.free {
-            let lower = self.horizon - 1 + m;
             // c of node m + 1 moves this node and the next.
-            let own = stencil(transcription, m + 1)[0][1];
-            let next = stencil(transcription, m + 2)[0][0];
-            let mut column = vec![(m, own), (m + 1, next), (lower, -own), (lower + 1, -next)];
-            if self.loads > 0 {
-                for k in m..m + 3 {
-                    column.extend((2..CONE).map(|row| (self.cone_row(k) + row, 0.0)));
+            for (node, weight) in [
+                (m, stencil(transcription, m + 1)[0][1]),
+                (m + 1, stencil(transcription, m + 2)[0][0]),
+            ] {
+                if node < self.bounds {
+                    entries.add(node, m, weight);
+                    entries.add(self.bounds + node, m, -weight);
                 }
             }
-            close(&column);
+            for k in (m..m + 3).take_while(|&k| k < self.loads) {
+                for row in 2..CONE {
+                    entries.add(self.cone_row(k) + row, m, 0.0);
+                }
+            }
         }
         for k in 0..self.loads {
-            let cone = self.cone_row(k);
-            let mut column = vec![(self.room_row() + k, 1.0), (cone, -1.0), (cone + 1, -1.0)];
+            let (load, cone) = (self.free + k, self.cone_row(k));
+            entries.add(self.room_row() + k, load, 1.0);
+            entries.add(cone, load, -1.0);
+            entries.add(cone + 1, load, -1.0);
             if k + 1 < self.horizon {
                 let next = self.cone_row(k + 1);
                 let decay = transcription.interval(k + 1).thermal.decay();
-                column.extend([(next, decay), (next + 1, decay)]);
+                entries.add(next, load, decay);
+                entries.add(next + 1, load, decay);
             }
-            close(&column);
+            let slack = self.free + self.loads + k;
+            entries.add(self.slack_row() + k, slack, -1.0);
+            entries.add(self.room_row() + k, slack, -1.0);
         }
-        for k in 0..self.loads {
-            close(&[(self.slack_row() + k, -1.0), (self.room_row() + k, -1.0)]);
+        if let Some(limit) = &transcription.problem().torque_limit {
+            torque_rows::add(
+                transcription,
+                limit,
+                self.torque_row(),
+                self.free,
+                &mut entries,
+            );
         }
-        let shape = (self.cone_row(self.loads), self.free + 2 * self.loads);
-        CscMatrix::new(shape.0, shape.1, starts, rows, values)
+        let mut rows = self.cone_row(self.loads);
+        if let Some(safe) = &self.safe {
+            safe.add(self.last_room_row(), &mut entries);
+            rows += safe.cone_rows();
+        }
+        entries.matrix(rows, self.variables())
     }
 
     /// σ, change of the spline's coefficients per unit of x in the problem as posed \[rad\].
@@ -200,7 +260,7 @@ impl Convex {
         for q in gradient {
             *q *= self.sigma / task.cost_scale;
         }
-        let (upper, lower) = self.b.split_at_mut(self.horizon - 1);
+        let (upper, lower) = self.b.split_at_mut(self.bounds);
         for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
             let angle = rollout.reference_angle[k + 1];
             upper[k] = (highest - angle) / self.sigma;
@@ -208,6 +268,16 @@ impl Convex {
         }
         if let Some(limit) = problem.thermal_limit {
             self.pose_thermal_limit(task, rollout, limit);
+        }
+        if let Some(limit) = &problem.torque_limit {
+            let first = self.torque_row();
+            torque_rows::pose(task, limit, rollout, self.sigma, first, &mut self.b);
+        }
+        if let Some((safe, set)) = self.safe.zip(task.safe_set) {
+            let unit = self.heat_weight * problem.thermal_limit.unwrap_or(1.0);
+            let room = self.last_room_row();
+            let data = (&mut self.a, &mut self.b[..]);
+            safe.pose(task, set, rollout, [self.sigma, unit], room, data);
         }
     }
 
@@ -271,13 +341,13 @@ impl Convex {
                 self.b[cone + 2 + j] = weight * rollout.stages[k].torque[j];
                 let slope = self.torque_slope(task, rollout, k, j);
                 for (column, m) in free_columns(k, self.free) {
-                    let place = self.a.colptr[m] + BOUNDS + (2 - column) * STAGES + j;
+                    let place = place(&self.a, cone + 2 + j, m);
                     self.a.nzval[place] = -weight * self.sigma * slope[column];
                 }
             }
         }
         let slacks = self.free + self.loads;
-        self.q[slacks..].fill(task.excess_weight * unit);
+        self.q[slacks..slacks + self.loads].fill(task.excess_weight * unit);
     }
 
     /// ∂τ_j/∂(c_{k−1}, c_k, c_{k+1}) of interval `k` \[N·m/rad\].
@@ -310,7 +380,7 @@ impl Convex {
             cost_change += x[m] * (self.q[m] + row / (1.0 + self.damping));
         }
         let unit = self.heat_weight * task.transcription.problem().thermal_limit.unwrap_or(0.0);
-        let (loads, slacks) = x[self.free..].split_at(self.loads);
+        let (loads, slacks) = x[self.free..self.free + 2 * self.loads].split_at(self.loads);
         let prices = &solution.z[self.room_row()..];
         let mut misjudged = ((trial.cost - from.cost) / task.cost_scale - cost_change).abs();
         for (k, (load, price)) in loads.iter().zip(prices).enumerate() {
@@ -318,7 +388,8 @@ impl Convex {
             misjudged += price * (load - true_load).abs();
         }
         Promise {
-            decrease: task.excess_weight * (from.total_excess - slacks.iter().sum::<f64>() * unit)
+            decrease: task.excess_weight
+                * (task.total_excess(from) - slacks.iter().sum::<f64>() * unit)
                 - cost_change,
             excess: slacks.iter().fold(0.0, |most: f64, s| most.max(*s)) * unit,
             misjudged,
@@ -351,6 +422,7 @@ mod tests {
             let task = Task {
                 transcription: &transcription,
                 angle_bounds: &bounds,
+                safe_set: None,
                 cost_scale: 0.1,
                 excess_weight: 1e3,
                 time_limit: None,
@@ -362,7 +434,7 @@ mod tests {
                 transcription.roll_out(&moves, &mut rollout);
                 (moves, rollout)
             };
-            let mut spline = Spline::new(40);
+            let mut spline = Spline::new(&problem);
             spline.free().fill(goal);
             spline.fix_ends(&transcription);
             let (moves, from) = roll_out(&spline);
@@ -428,6 +500,7 @@ mod tests {
         let task = Task {
             transcription: &transcription,
             angle_bounds: &[[0.9, 1.6]; 39],
+            safe_set: None,
             cost_scale: 1.0,
             excess_weight: 1e3,
             time_limit: None,
