@@ -18,7 +18,8 @@ pub enum PlanStatus {
     Solved = 1,
     /// Solved for the admissible rest point nearest to the setpoint.
     GoalProjected = 2,
-    /// Solved, but the thermal limit could not be kept: the least excess was planned.
+    /// Solved, but the thermal limit, or the torque limit of the linear model, could not be kept: the least
+    /// excess was planned.
     ThermalSlack = 3,
     /// The solver was stopped before it converged: the plan is admissible, or of nearly the least excess.
     IterationLimit = 4,

@@ -46,6 +46,9 @@ const EXCESS_WEIGHT: f64 = 1e3;
 const LEAST_MOVEMENT: f64 = 1e-3;
 /// Excess of an unfinished plan that is taken, relative to that of the fallback.
 const NEARLY_LEAST: f64 = 1.1;
+/// Excess of the linear model's torque that is none of the plan's, in units of the limit: where a plan along
+/// the limit goes on, the measured angle is never quite the predicted one.
+const TORQUE_SLACK: f64 = 1e-3;
 /// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
 /// that is above 1.
 const REST_TOLERANCE: f64 = 1e-6;
@@ -267,7 +270,9 @@ impl Planner {
         let over = loads.any(|load| load - limit > THERMAL_TOLERANCE);
         let task = self.task();
         // At the plan's end also what stopping takes, if that is to be kept free.
-        let over = over || (task.safe_set.is_some() && task.excess(trajectory) > THERMAL_TOLERANCE);
+        let over = over
+            || (task.safe_set.is_some() && task.excess(trajectory) > THERMAL_TOLERANCE)
+            || task.torque_excess(trajectory) > TORQUE_SLACK;
         let (lowest, highest) = (problem.angle_lower, problem.angle_upper);
         let widened = self
             .angle_bounds
@@ -284,8 +289,7 @@ impl Planner {
             // Excess is near its least long before the sequence settles; it is taken unless going on as
             // before, or braking, exceeds the limit by less.
             _ if task.keeps_bounds(trajectory)
-                && task.total_excess(trajectory)
-                    <= NEARLY_LEAST * task.total_excess(&self.shifted) =>
+                && task.penalty(trajectory) <= NEARLY_LEAST * task.penalty(&self.shifted) =>
             {
                 stopped
             }

@@ -8,7 +8,8 @@
 //!
 //! an exact penalty: below the weight's price the thermal limit is kept wherever it can be kept, and where
 //! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only. With a safe
-//! set for the plan's end, T_N includes the heat of stopping, and the end must lie in the kinetic set.
+//! set for the plan's end, T_N includes the heat of stopping, and the end must lie in the kinetic set. With the
+//! linear model the largest excess of the torque has a price in place of that of heat.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +22,9 @@ pub const THERMAL_TOLERANCE: f64 = 1e-6;
 /// Excess of the reference over the angle bounds that counts as none \[rad\].
 pub const ANGLE_TOLERANCE: f64 = 1e-7;
 /// Excess of the torque over its limit that counts as none, in units of that.
-const TORQUE_TOLERANCE: f64 = 1e-6;
+pub const TORQUE_TOLERANCE: f64 = 1e-6;
+/// Price of the largest excess of the torque over its limit, in units of that.
+pub const TORQUE_PRICE: f64 = 1e5;
 
 /// Tells the time, for deadlines. The maths has no clock of its own: without one it never stops early, and
 /// equal inputs give equal plans.
@@ -99,7 +102,13 @@ pub struct Task<'a> {
 impl Task<'_> {
     /// Cost and thermal excess of a rollout in one number.
     pub fn merit(&self, rollout: &Rollout) -> f64 {
-        rollout.cost / self.cost_scale + self.excess_weight * self.total_excess(rollout)
+        rollout.cost / self.cost_scale + self.penalty(rollout)
+    }
+
+    /// Price of what exceeds the limits that have slack.
+    pub fn penalty(&self, rollout: &Rollout) -> f64 {
+        self.excess_weight * self.total_excess(rollout)
+            + TORQUE_PRICE * self.torque_excess(rollout).max(0.0)
     }
 
     /// Thermal excess of the last node: of T_N alone, and with the heat of stopping \[A²\].
@@ -137,8 +146,7 @@ impl Task<'_> {
         })
     }
 
-    /// Whether a rollout keeps the angle bounds, ends in the kinetic set, and keeps the torque limit: all
-    /// that has no slack.
+    /// Whether a rollout keeps the angle bounds and ends in the kinetic set: all that has no slack.
     pub fn keeps_bounds(&self, rollout: &Rollout) -> bool {
         let ends = rollout
             .reference_angle
@@ -151,11 +159,10 @@ impl Task<'_> {
                 set.kinetic_excess(*angle, *velocity)
             });
         self.angle_excess(rollout).max(short) <= ANGLE_TOLERANCE
-            && self.torque_excess(rollout) <= TORQUE_TOLERANCE
     }
 
-    /// Largest excess of the torque over its limit, in units of that; negative: within.
-    fn torque_excess(&self, rollout: &Rollout) -> f64 {
+    /// Largest excess of the torque over its limit (appendix C.3), in units of that; negative: within.
+    pub fn torque_excess(&self, rollout: &Rollout) -> f64 {
         let problem = self.transcription.problem();
         let Some(limit) = &problem.torque_limit else {
             return f64::NEG_INFINITY;
@@ -177,6 +184,7 @@ impl Task<'_> {
     pub fn admits(&self, rollout: &Rollout) -> bool {
         rollout.is_finite()
             && self.excess(rollout) <= THERMAL_TOLERANCE
+            && self.torque_excess(rollout) <= TORQUE_TOLERANCE
             && self.keeps_bounds(rollout)
     }
 
@@ -189,7 +197,7 @@ impl Task<'_> {
         } else if !self.keeps_bounds(rollout) {
             (2, merit)
         } else {
-            (u8::from(self.excess(rollout) > THERMAL_TOLERANCE), merit)
+            (u8::from(!self.admits(rollout)), merit)
         }
     }
 }

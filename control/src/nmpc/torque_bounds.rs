@@ -12,8 +12,8 @@
 
 use arm::Parameters;
 
-/// Cells per period of the highest cogging harmonic.
-const CELLS_PER_PERIOD: f64 = 256.0;
+/// Cells per period of the highest cogging harmonic, and in all, at least.
+const CELLS: [f64; 2] = [1024.0, 4096.0];
 
 /// An affine function of the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -100,7 +100,8 @@ impl Scan {
     pub fn new(arm: &Parameters, lower: f64, upper: f64) -> Self {
         let w = arm.cogging_frequency;
         let periods = (upper - lower) * w * arm.harmonics() as f64 / std::f64::consts::TAU;
-        let cells = (CELLS_PER_PERIOD * periods).clamp(CELLS_PER_PERIOD, 1e5) as usize;
+        let [per_period, least] = CELLS;
+        let cells = (per_period * periods).clamp(least, 1e5) as usize;
         let width = (upper - lower) / cells as f64;
         let amplitudes = arm.cogging_cos.iter().zip(&arm.cogging_sin);
         let bend = amplitudes.enumerate().map(|(i, (a, b))| {

@@ -6,7 +6,8 @@
 //! | x, spline coefficients | N − 2 | | upper, then lower bounds of θr_1..θr_{N−1} | 2·(N − 1) |
 //! | ζ_1..ζ_N, thermal loads | N | | signs of s | N |
 //! | s_1..s_N, slacks | N | | room of ζ below the limit | N |
-//! | of the safe sets | 4 or 10 | | torque limit ([`super::torque_rows`]) | 4·N |
+//! | slack of the torque limit | 1 | | torque limit ([`super::torque_rows`]) | 4·N + 1 |
+//! | of the safe sets | 4 or 10 | | | |
 //! | | | | of the safe sets ([`super::safe_rows`]) | 8 |
 //! | | | | cones of the intervals: y + 1, y − 1, four currents | 6·N |
 //! | | | | cones of the safe sets | 6 or 24 |
@@ -20,7 +21,7 @@ use nalgebra::DMatrix;
 use super::super::problem::Terminal;
 use super::super::rk4::STAGES;
 use super::super::rollout::{Rollout, Sensitivity};
-use super::super::solver::Task;
+use super::super::solver::{TORQUE_PRICE, Task};
 use super::super::spline::{free_columns, gather, stencil};
 use super::super::transcription::Transcription;
 use super::pattern::{Entries, place};
@@ -51,7 +52,7 @@ pub struct Convex {
     loads: usize,
     /// Diagonals of P above the main one.
     band: usize,
-    /// Rows of the torque limit: 4·N, or none without one.
+    /// Rows of the torque limit: 4·N + 1, or none without one.
     torque_rows: usize,
     safe: Option<SafeRows>,
     /// Hessian of the cost without heat \[free × free\].
@@ -86,7 +87,7 @@ impl Convex {
             band,
             torque_rows: problem
                 .torque_limit
-                .map_or(0, |_| torque_rows::ROWS * horizon),
+                .map_or(0, |_| torque_rows::count(horizon)),
             safe: None,
             hessian,
             heat_weight: transcription.interval(0).thermal.weights().iter().sum(),
@@ -99,7 +100,8 @@ impl Convex {
             sensitivity: Sensitivity::new(horizon),
         };
         if problem.terminal == Terminal::SafeSet {
-            let (column, row) = (free + 2 * convex.loads, convex.safe_row());
+            let column = convex.torque_slack() + convex.torque_slacks();
+            let row = convex.safe_row();
             let cone = row + SafeRows::LINEAR + CONE * convex.loads;
             let thermal = convex.loads > 0;
             convex.safe = Some(SafeRows::new(horizon, thermal, column, row, cone));
@@ -108,6 +110,10 @@ impl Convex {
         convex.a = convex.pattern_a(transcription);
         convex.q = vec![0.0; convex.a.n];
         convex.b = vec![0.0; convex.a.m];
+        if convex.torque_slacks() > 0 {
+            let slack = convex.torque_slack();
+            convex.q[slack] = TORQUE_PRICE * torque_rows::UNIT;
+        }
         if let Some(safe) = &convex.safe {
             safe.constants(&mut convex.b);
         }
@@ -168,9 +174,19 @@ impl Convex {
         self.safe_row() + safe + CONE * k
     }
 
+    /// The variable of the torque's slack.
+    fn torque_slack(&self) -> usize {
+        self.free + 2 * self.loads
+    }
+
+    /// One, or none without a torque limit.
+    fn torque_slacks(&self) -> usize {
+        self.torque_rows.min(1)
+    }
+
     fn variables(&self) -> usize {
         let safe = self.safe.as_ref().map_or(0, SafeRows::variables);
-        self.free + 2 * self.loads + safe
+        self.torque_slack() + self.torque_slacks() + safe
     }
 
     fn pattern_p(&self) -> CscMatrix<f64> {
@@ -226,7 +242,7 @@ impl Convex {
                 transcription,
                 limit,
                 self.torque_row(),
-                self.free,
+                [self.free, self.torque_slack()],
                 &mut entries,
             );
         }
@@ -270,8 +286,9 @@ impl Convex {
             self.pose_thermal_limit(task, rollout, limit);
         }
         if let Some(limit) = &problem.torque_limit {
-            let first = self.torque_row();
-            torque_rows::pose(task, limit, rollout, self.sigma, first, &mut self.b);
+            let at = [self.torque_row(), self.torque_slack()];
+            let data = (&mut self.a, &mut self.b[..]);
+            torque_rows::pose(task, limit, rollout, self.sigma, at, data);
         }
         if let Some((safe, set)) = self.safe.zip(task.safe_set) {
             let unit = self.heat_weight * problem.thermal_limit.unwrap_or(1.0);
@@ -387,10 +404,12 @@ impl Convex {
             let true_load = (trial.thermal_load[k + 1] - from.thermal_load[k + 1]) / unit;
             misjudged += price * (load - true_load).abs();
         }
+        let mut penalty = task.excess_weight * slacks.iter().sum::<f64>() * unit;
+        if self.torque_slacks() > 0 {
+            penalty += self.q[self.torque_slack()] * x[self.torque_slack()];
+        }
         Promise {
-            decrease: task.excess_weight
-                * (task.total_excess(from) - slacks.iter().sum::<f64>() * unit)
-                - cost_change,
+            decrease: task.penalty(from) - penalty - cost_change,
             excess: slacks.iter().fold(0.0, |most: f64, s| most.max(*s)) * unit,
             misjudged,
         }
@@ -398,135 +417,4 @@ impl Convex {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::super::examples::{any_initial, any_moves, pendulum, tflex};
-    use super::super::super::spline::{Spline, hessian};
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// Where g is affine the convex problem is no approximation: for any step its cost is the true
-        /// one, and its rows hold with the true loads exactly, the cones without room.
-        #[test]
-        fn for_an_affine_torque_cost_and_cones_are_exact(
-            initial in any_initial(), goal in 0.1..1.4, steps in any_moves(38), flexure: bool,
-        ) {
-            let mut problem = if flexure { tflex() } else { pendulum() };
-            problem.arm.cogging_cos = [0.0; 9];
-            problem.arm.cogging_sin = [0.0; 9];
-            problem.arm.damping = 0.1;
-            problem.weights.thermal = 0.0;
-            let mut transcription = Transcription::new(problem, arm::Instructions::best());
-            transcription.set(initial, goal);
-            let bounds = vec![[problem.angle_lower, problem.angle_upper]; 39];
-            let task = Task {
-                transcription: &transcription,
-                angle_bounds: &bounds,
-                safe_set: None,
-                cost_scale: 0.1,
-                excess_weight: 1e3,
-                time_limit: None,
-            };
-            let mut convex = Convex::new(&transcription, hessian(&transcription));
-            let roll_out = |spline: &Spline| {
-                let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-                spline.moves(&transcription, &mut moves);
-                transcription.roll_out(&moves, &mut rollout);
-                (moves, rollout)
-            };
-            let mut spline = Spline::new(&problem);
-            spline.free().fill(goal);
-            spline.fix_ends(&transcription);
-            let (moves, from) = roll_out(&spline);
-            convex.pose(&task, &moves, &from, 0.5);
-
-            let mut solution = DefaultSolution::new(convex.a.n, convex.a.m);
-            for (x, step) in solution.x.iter_mut().zip(&steps) {
-                *x = 0.01 * step;
-            }
-            for (c, x) in spline.free().iter_mut().zip(&solution.x) {
-                *c += convex.sigma() * x;
-            }
-            let (_, trial) = roll_out(&spline);
-            let limit = problem.thermal_limit.expect("limited");
-            for k in 0..40 {
-                let change = trial.thermal_load[k + 1] - from.thermal_load[k + 1];
-                solution.x[38 + k] = change / (convex.heat_weight * limit);
-                let excess = (trial.thermal_load[k + 1] - limit).max(0.0);
-                solution.x[78 + k] = excess / (convex.heat_weight * limit);
-            }
-            solution.z.fill(1.0);
-            let promise = convex.promise(&task, &solution, &from, &trial);
-            let merits = [task.merit(&from), task.merit(&trial)];
-            let accuracy = 1e-9 * (merits[0] + merits[1] + 1.0);
-            prop_assert!(promise.misjudged <= accuracy, "{}", promise.misjudged);
-            prop_assert!((promise.decrease - (merits[0] - merits[1])).abs() <= accuracy);
-            prop_assert!((promise.excess - trial.excess).abs() <= 1e-9);
-
-            // s = b − A·x: angle rows give the distance to the bounds, cones lie on their boundary.
-            let mut s = convex.b.clone();
-            for (column, x) in solution.x.iter().enumerate() {
-                for place in convex.a.colptr[column]..convex.a.colptr[column + 1] {
-                    s[convex.a.rowval[place]] -= convex.a.nzval[place] * x;
-                }
-            }
-            for k in 0..39 {
-                let angle = trial.reference_angle[k + 1];
-                let sigma = convex.sigma();
-                prop_assert!((s[k] * sigma - (problem.angle_upper - angle)).abs() < 1e-9);
-                prop_assert!((s[39 + k] * sigma - (angle - problem.angle_lower)).abs() < 1e-9);
-            }
-            for k in 0..40 {
-                let cone = &s[convex.cone_row(k)..][..CONE];
-                let norm = cone[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
-                prop_assert!((cone[0] - norm).abs() <= 1e-8 * (1.0 + norm), "{k}: {} {norm}", cone[0]);
-            }
-        }
-    }
-
-    /// The curvature of the cost of heat is that of λ·q with τ affine.
-    #[test]
-    fn the_cost_of_heat_bends_the_problem() {
-        let mut problem = tflex();
-        problem.weights.thermal = 1.0;
-        let mut transcription = Transcription::new(problem, arm::Instructions::best());
-        let initial = super::super::super::problem::Initial {
-            angle: 1.1,
-            reference_angle: 1.1,
-            thermal_load: 5.0,
-            ..Default::default()
-        };
-        transcription.set(initial, 1.3);
-        let task = Task {
-            transcription: &transcription,
-            angle_bounds: &[[0.9, 1.6]; 39],
-            safe_set: None,
-            cost_scale: 1.0,
-            excess_weight: 1e3,
-            time_limit: None,
-        };
-        let hessian = hessian(&transcription);
-        let mut convex = Convex::new(&transcription, hessian.clone());
-        let mut rollout = Rollout::new(40);
-        transcription.roll_out(&[0.0; 40], &mut rollout);
-        convex.pose(&task, &[0.0; 40], &rollout, 0.0);
-        let m = 20;
-        let scale = convex.sigma().powi(2);
-        let places = convex.p.colptr[m]..convex.p.colptr[m + 1];
-        for (place, row) in places.zip(m - 2..=m) {
-            let mut expected = hessian[(row, m)];
-            for k in 0..40 {
-                for j in 0..STAGES {
-                    let slope = convex.torque_slope(&task, &rollout, k, j);
-                    let of = |index: usize| {
-                        let column = (index + 2).checked_sub(k).filter(|&column| column < 3);
-                        column.map_or(0.0, |column| slope[column])
-                    };
-                    expected += 2.0 * convex.sensitivity.heat_price[k][j] * of(row) * of(m)
-                        / problem.motor.torque_constant.powi(2);
-                }
-            }
-            assert!((convex.p.nzval[place] / scale - expected).abs() < 1e-9 * expected.abs());
-        }
-    }
-}
+mod tests;

@@ -189,7 +189,7 @@ impl Solver for Conic {
             let trial = &mut self.trial_rollout;
             let trial_merit = task.merit(trial);
             let trial_bounded = task.keeps_bounds(trial);
-            let penalty = task.excess_weight * task.total_excess(trial);
+            let penalty = task.penalty(trial);
             let tolerance =
                 COST_TOLERANCE * f64::max(1.0, trial_merit - penalty) + PENALTY_TOLERANCE * penalty;
 
