@@ -12,9 +12,9 @@ use arm::thermal;
 use common::Loop;
 use common::rates::{PENDULUM, TFLEX, setpoint};
 use control::Settings;
-use control::nmpc::plan::PlanStatus;
+use control::nmpc::plan::{Plan, PlanStatus};
 use control::nmpc::planner::Planner;
-use control::nmpc::problem::{Initial, Problem, Terminal};
+use control::nmpc::problem::{Initial, Model, Problem, Terminal};
 use control::nmpc::rest::RestPoints;
 use control::nmpc::safe_set::SafeSet;
 use control::nmpc::settings::Method;
@@ -191,4 +191,103 @@ fn controllers_with_short_horizons_violate_no_limit() {
         println!("{name}: {score:.1}, {slack} of 200 plans not solved within their own limits");
         assert!(slack <= 20, "{name}: {slack}");
     }
+}
+
+/// Intervals that grow: the same promise as with equal ones, at the nodes of the plans.
+#[test]
+fn growing_intervals_end_in_safe_sets_too() {
+    for mut arm in [pendulum(), tflex()] {
+        (arm.settings.period, arm.settings.duration) = (2e-3, 0.3);
+        let mut planner = planner(&arm, Terminal::SafeSet, 16);
+        let problem = *planner.problem();
+        let limit = problem.thermal_limit.expect("limited");
+        let class = within("hot", [0.6, 0.99]);
+        let (mut uniform, mut plans, mut missing) = (Uniform(23), 0, 0);
+        for _ in 0..10 {
+            let (mut initial, goal) = start(&mut uniform, &problem, &class);
+            planner.set_state(&Default::default());
+            for _ in 0..150 {
+                let plan = planner.plan(&initial, goal);
+                plans += 1;
+                missing += u32::from(plan.status != PlanStatus::Solved);
+                initial = following(plan, &initial);
+                assert!(initial.thermal_load <= limit + THERMAL_TOLERANCE);
+                let angle = initial.reference_angle;
+                assert!(problem.angle_lower - 1e-6 <= angle && angle <= problem.angle_upper + 1e-6);
+            }
+        }
+        println!("{missing} of {plans} plans missing");
+        assert!(missing <= plans / 100);
+    }
+}
+
+/// A planner rebuilt from its parameters and given the state goes on bit by bit, whatever the model and end.
+#[test]
+fn a_restored_planner_goes_on_to_the_bit() {
+    for (model, terminal) in [
+        (Model::Nonlinear, Terminal::SafeSet),
+        (Model::Nonlinear, Terminal::Free),
+        (Model::Qp, Terminal::RestAtGoal),
+        (Model::Qp, Terminal::SafeSet),
+    ] {
+        let mut arm = pendulum();
+        arm.settings.model = model;
+        let class = within("hot", [0.9, 0.999]);
+        let mut original = planner(&arm, terminal, 10);
+        let (mut uniform, mut iterated) = (Uniform(29), 0);
+        for _ in 0..20 {
+            let (mut initial, goal) = uniform.start(original.problem(), &class);
+            let mut restored = planner(&arm, terminal, 10);
+            restored.set_state(original.state());
+            for k in 0..3 {
+                if k == 2 {
+                    // No number: the previous plan goes on.
+                    initial.angle = f64::NAN;
+                }
+                let (a, b) = (original.plan(&initial, goal), restored.plan(&initial, goal));
+                let bits =
+                    |plan: &Plan| -> Vec<u64> { plan.moves.iter().map(|u| u.to_bits()).collect() };
+                assert_eq!(
+                    (a.status, bits(a)),
+                    (b.status, bits(b)),
+                    "{model:?}, {terminal:?}"
+                );
+                iterated += a.iterations;
+                initial = following(a, &initial);
+            }
+            assert_eq!(original.state(), restored.state());
+        }
+        assert!(iterated > 100, "{model:?}, {terminal:?}: {iterated}");
+    }
+}
+
+/// Weights from one end of their range to the other, any start: finite plans, and nearly all of them solved.
+#[test]
+fn extreme_weights_give_plans() {
+    let mut uniform = Uniform(31);
+    let (mut plans, mut unsolved) = (0, 0);
+    for k in 0..80 {
+        let mut arm = if k % 2 == 0 { tflex() } else { pendulum() };
+        let mut weight = |low: f64, high: f64| 10_f64.powf(uniform.within(low, high));
+        arm.settings.weights.angle = weight(-6.0, 6.0);
+        arm.settings.weights.velocity = weight(-9.0, 3.0);
+        arm.settings.weights.thermal = weight(-9.0, 3.0);
+        arm.settings.weights.acceleration = weight(-9.0, 3.0);
+        if k % 4 < 2 {
+            arm.settings.model = Model::Qp;
+        }
+        let horizon = [2, 5, 12, 40][k / 4 % 4];
+        let mut planner = planner(&arm, Terminal::SafeSet, horizon);
+        for _ in 0..3 {
+            let (initial, goal) = start(&mut uniform, planner.problem(), &starts::RANDOM);
+            planner.set_state(&Default::default());
+            let plan = planner.plan(&initial, goal);
+            assert!(plan.trajectory.is_finite() && plan.moves.iter().all(|u| u.is_finite()));
+            let solved = matches!(plan.status, PlanStatus::Solved | PlanStatus::GoalProjected);
+            unsolved += u32::from(!solved);
+            plans += 1;
+        }
+    }
+    println!("{unsolved} of {plans} plans unsolved");
+    assert!(unsolved <= plans / 20);
 }

@@ -302,9 +302,16 @@ fn no_plan_leaves_the_bounds_for_lack_of_time() {
 
 #[test]
 fn a_deadline_is_kept_and_leaves_a_plan_and_no_trace() {
-    for solver in [Method::Automatic, Method::Riccati, Method::Clarabel] {
+    let rest = Terminal::RestAtGoal;
+    for (solver, terminal) in [
+        (Method::Automatic, rest),
+        (Method::Riccati, rest),
+        (Method::Clarabel, rest),
+        (Method::Clarabel, Terminal::SafeSet),
+    ] {
         let settings = Settings {
             solver,
+            terminal,
             ..crate::Settings::pendulum().nmpc
         };
         let (mut stopped, mut reference) = (planner_of(settings), planner_of(settings));
