@@ -145,7 +145,7 @@ fn the_true_torque_and_load_stay_within_the_limit() {
                 initial = following(plan, &initial);
             }
         }
-        println!("{name}: {solved} plans, {active} near the torque limit");
+        eprintln!("{name}: {solved} plans, {active} near the torque limit");
         assert!(solved > 1500 && (name == "tflex" || active > 100));
     }
 }

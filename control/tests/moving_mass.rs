@@ -104,7 +104,7 @@ fn run(terminal: Terminal) -> Run {
 #[test]
 fn with_safe_sets_the_limit_is_kept() {
     let run = run(Terminal::SafeSet);
-    println!("{run:?}");
+    eprintln!("{run:?}");
     assert!(run.least >= 0.0);
     assert_eq!((run.plans, run.unsolved), (60, 0));
     assert!(run.left < 1e-6, "arrives");
@@ -117,7 +117,7 @@ fn with_safe_sets_the_limit_is_kept() {
 #[test]
 fn without_them_it_is_violated() {
     let run = run(Terminal::Free);
-    println!("{run:?}");
+    eprintln!("{run:?}");
     assert!(run.least < -0.05);
     assert!(run.fastest > 1.05);
     assert!(run.unsolved > 0, "and the planner says so");

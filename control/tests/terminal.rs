@@ -149,7 +149,7 @@ fn safe_sets_violate_no_limit_where_terminal_rest_is_infeasible() {
                 load,
                 simulated,
             } = runs.worst;
-            println!(
+            eprintln!(
                 "{name}, N = {horizon}: from {} of {STARTS} starts no plan ends at rest; {} plans into safe sets, {} \
                  missing, beyond the limits by {angle:.1e} rad, {load:.1e} A² (simulated {simulated:.1e} A²)",
                 runs.infeasible, runs.plans, runs.missing
@@ -188,7 +188,7 @@ fn controllers_with_short_horizons_violate_no_limit() {
             assert!(!closed_loop.violates(), "{name}, sample {sample}");
             slack += u32::from(command.new_plan && command.plan_status != PlanStatus::Solved);
         }
-        println!("{name}: {score:.1}, {slack} of 200 plans not solved within their own limits");
+        eprintln!("{name}: {score:.1}, {slack} of 200 plans not solved within their own limits");
         assert!(slack <= 20, "{name}: {slack}");
     }
 }
@@ -216,7 +216,7 @@ fn growing_intervals_end_in_safe_sets_too() {
                 assert!(problem.angle_lower - 1e-6 <= angle && angle <= problem.angle_upper + 1e-6);
             }
         }
-        println!("{missing} of {plans} plans missing");
+        eprintln!("{missing} of {plans} plans missing");
         assert!(missing <= plans / 100);
     }
 }
@@ -288,6 +288,6 @@ fn extreme_weights_give_plans() {
             plans += 1;
         }
     }
-    println!("{unsolved} of {plans} plans unsolved");
+    eprintln!("{unsolved} of {plans} plans unsolved");
     assert!(unsolved <= plans / 20);
 }

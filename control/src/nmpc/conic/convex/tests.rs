@@ -154,7 +154,7 @@ proptest! {
         let mut transcription = Transcription::new(problem, arm::Instructions::best());
         transcription.set(initial, goal);
         let set = SafeSet::new(&problem, problem.angle_lower, problem.angle_upper);
-        let bounds = vec![[problem.angle_lower, problem.angle_upper]; 12];
+        let bounds = [[problem.angle_lower, problem.angle_upper]; 12];
         let task = Task {
             transcription: &transcription,
             angle_bounds: &bounds,
@@ -235,7 +235,7 @@ proptest! {
         problem.terminal = if rest { Terminal::RestAtGoal } else { Terminal::Free };
         let mut transcription = Transcription::new(problem, arm::Instructions::best());
         transcription.set(initial, goal);
-        let bounds = vec![[problem.angle_lower, problem.angle_upper]; 12];
+        let bounds = [[problem.angle_lower, problem.angle_upper]; 12];
         let task = Task {
             transcription: &transcription,
             angle_bounds: &bounds[..problem.bounded_nodes()],
