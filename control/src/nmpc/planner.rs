@@ -18,11 +18,11 @@
 
 mod angle_bounds;
 mod braking;
+mod fall_back;
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
 use self::angle_bounds::{bound_angle, widen};
-use self::braking::brake;
 use super::conic::Conic;
 use super::grid::Grid;
 use super::interior_point;
@@ -49,9 +49,6 @@ const NEARLY_LEAST: f64 = 1.1;
 /// Excess of the linear model's torque that is none of the plan's, in units of the limit: where a plan along
 /// the limit goes on, the measured angle is never quite the predicted one.
 const TORQUE_SLACK: f64 = 1e-3;
-/// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
-/// that is above 1.
-const REST_TOLERANCE: f64 = 1e-6;
 
 /// Makes plans for one arm.
 pub struct Planner {
@@ -202,28 +199,9 @@ impl Planner {
         let status = if finite { self.solve(setpoint) } else { None };
         self.plan.status = status.unwrap_or_else(|| self.fall_back(initial, finite));
         if self.plan.status != PlanStatus::ShiftedPlan {
-            self.state.age = Some(0);
-            let (moves, braking) = self.state.moves.split_at_mut(self.plan.moves.len());
-            moves.copy_from_slice(&self.plan.moves);
-            if let Some(set) = &self.safe_set {
-                let lengths = std::iter::repeat(set.interval);
-                // Without a start the trajectory is that of an earlier plan.
-                let [angle, velocity] = if finite { self.plan.end() } else { [0.0; 2] };
-                set.brake(angle, velocity, lengths, braking);
-            }
+            self.remember(finite);
         }
         &self.plan
-    }
-
-    /// The moves in memory as they go on from now, in `guess`; false if there are none any more.
-    fn shift_moves(&mut self) -> bool {
-        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * self.problem().period;
-        // A whole number of periods misses the end by rounding.
-        let left = ago < self.grid.duration_of(&self.state.moves) * (1.0 - 1e-9);
-        if left {
-            self.grid.shifted(&self.state.moves, ago, &mut self.guess);
-        }
-        left
     }
 
     /// Makes a new plan; none if there is none worth having.
@@ -295,18 +273,6 @@ impl Planner {
             }
             _ => None,
         }
-    }
-
-    /// Rolls out what there is without a new plan: the previous one, shifted, or braking.
-    fn roll_out_fall_back(&mut self) {
-        let left = self.shift_moves();
-        let transcription = &self.transcription;
-        if !left {
-            let (problem, nodes) = (transcription.problem(), self.grid.nodes());
-            let (initial, set) = (transcription.initial(), self.safe_set.as_ref());
-            brake(problem, set, nodes, initial, &mut self.guess);
-        }
-        transcription.roll_out(&self.guess, &mut self.shifted);
     }
 
     /// Improves on the plan without inequalities.
@@ -396,37 +362,6 @@ impl Planner {
             self.safe_set.as_ref(),
             self.cost_scale,
         )
-    }
-
-    /// Goes on with the previous moves if they still end at rest, else brakes.
-    fn fall_back(&mut self, initial: &Initial, finite: bool) -> PlanStatus {
-        let left = self.shift_moves();
-        let transcription = &self.transcription;
-        let Plan {
-            moves,
-            trajectory,
-            time,
-            ..
-        } = &mut self.plan;
-        moves.copy_from_slice(&self.guess);
-        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * transcription.problem().period;
-        let gained = self.grid.gain_left(&self.state.moves, ago);
-        let ends_at_rest = if finite {
-            let start = initial.reference_velocity;
-            (start + gained).abs() <= REST_TOLERANCE * (1.0 + start.abs())
-        } else {
-            gained.is_finite()
-        };
-        let mut status = PlanStatus::ShiftedPlan;
-        if !left || !ends_at_rest {
-            status = PlanStatus::Rest;
-            let set = self.safe_set.as_ref();
-            brake(transcription.problem(), set, time, initial, moves);
-        }
-        if finite {
-            transcription.roll_out(moves, trajectory);
-        }
-        status
     }
 }
 

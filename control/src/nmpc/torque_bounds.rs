@@ -232,7 +232,7 @@ mod tests {
             let interval = limit.rest_interval(lower, upper);
             prop_assert_eq!(interval.is_some(), limit.least(lower, upper) <= most);
             for i in 0..=500 {
-                let angle = lower + range * f64::from(i) / 500.0;
+                let angle = f64::min(lower + range * f64::from(i) / 500.0, upper);
                 let kept = limit.excess(angle, 0.0);
                 prop_assume!(kept.abs() > 1e-9);
                 let inside = interval.is_some_and(|[from, to]| (from..=to).contains(&angle));

@@ -14,6 +14,8 @@
 //!
 //! Only what the problem has is there. Without terminal rest x has N elements and θr_N bounds.
 
+mod layout;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DataUpdateError, DefaultSolution, DefaultSolver, SupportedConeT};
 use nalgebra::DMatrix;
@@ -24,7 +26,7 @@ use super::super::rollout::{Rollout, Sensitivity};
 use super::super::solver::{TORQUE_PRICE, Task};
 use super::super::spline::{free_columns, gather, stencil};
 use super::super::transcription::Transcription;
-use super::pattern::{Entries, place};
+use super::pattern::place;
 use super::safe_rows::SafeRows;
 use super::torque_rows;
 
@@ -141,117 +143,6 @@ impl Convex {
     /// Hands the values as posed to Clarabel.
     pub fn update(&self, clarabel: &mut DefaultSolver<f64>) -> Result<(), DataUpdateError> {
         clarabel.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b)
-    }
-
-    /// First row of the slacks' signs.
-    fn slack_row(&self) -> usize {
-        2 * self.bounds
-    }
-
-    /// First row of the loads' room.
-    fn room_row(&self) -> usize {
-        self.slack_row() + self.loads
-    }
-
-    /// Row of the room of the last load.
-    fn last_room_row(&self) -> usize {
-        self.room_row() + self.horizon - 1
-    }
-
-    /// First row of the torque limit.
-    fn torque_row(&self) -> usize {
-        self.room_row() + self.loads
-    }
-
-    /// First linear row of the safe sets.
-    fn safe_row(&self) -> usize {
-        self.torque_row() + self.torque_rows
-    }
-
-    /// First row of the cone of interval `k`.
-    fn cone_row(&self, k: usize) -> usize {
-        let safe = self.safe.map_or(0, |_| SafeRows::LINEAR);
-        self.safe_row() + safe + CONE * k
-    }
-
-    /// The variable of the torque's slack.
-    fn torque_slack(&self) -> usize {
-        self.free + 2 * self.loads
-    }
-
-    /// One, or none without a torque limit.
-    fn torque_slacks(&self) -> usize {
-        self.torque_rows.min(1)
-    }
-
-    fn variables(&self) -> usize {
-        let safe = self.safe.as_ref().map_or(0, SafeRows::variables);
-        self.torque_slack() + self.torque_slacks() + safe
-    }
-
-    fn pattern_p(&self) -> CscMatrix<f64> {
-        let (mut starts, mut rows) = (vec![0], Vec::new());
-        let variables = self.variables();
-        for column in 0..variables {
-            if column < self.free {
-                rows.extend(column.saturating_sub(self.band)..=column);
-            }
-            starts.push(rows.len());
-        }
-        let values = vec![0.0; rows.len()];
-        CscMatrix::new(variables, variables, starts, rows, values)
-    }
-
-    /// A with its constant entries; those of currents and safe sets are zero until posed.
-    fn pattern_a(&self, transcription: &Transcription) -> CscMatrix<f64> {
-        let mut entries = Entries::default();
-        for m in 0..self.free {
-            // c of node m + 1 moves this node and the next.
-            for (node, weight) in [
-                (m, stencil(transcription, m + 1)[0][1]),
-                (m + 1, stencil(transcription, m + 2)[0][0]),
-            ] {
-                if node < self.bounds {
-                    entries.add(node, m, weight);
-                    entries.add(self.bounds + node, m, -weight);
-                }
-            }
-            for k in (m..m + 3).take_while(|&k| k < self.loads) {
-                for row in 2..CONE {
-                    entries.add(self.cone_row(k) + row, m, 0.0);
-                }
-            }
-        }
-        for k in 0..self.loads {
-            let (load, cone) = (self.free + k, self.cone_row(k));
-            entries.add(self.room_row() + k, load, 1.0);
-            entries.add(cone, load, -1.0);
-            entries.add(cone + 1, load, -1.0);
-            if k + 1 < self.horizon {
-                let next = self.cone_row(k + 1);
-                let decay = transcription.interval(k + 1).thermal.decay();
-                entries.add(next, load, decay);
-                entries.add(next + 1, load, decay);
-            }
-            let slack = self.free + self.loads + k;
-            entries.add(self.slack_row() + k, slack, -1.0);
-            entries.add(self.room_row() + k, slack, -1.0);
-        }
-        if let Some(limit) = &transcription.problem().torque_limit {
-            torque_rows::add(
-                transcription,
-                limit,
-                self.torque_row(),
-                [self.free, self.torque_slack()],
-                &mut entries,
-            );
-        }
-        let mut rows = self.cone_row(self.loads);
-        if let Some(safe) = &self.safe {
-            safe.add(self.last_room_row(), &mut entries);
-            rows += safe.cone_rows();
-        }
-        entries.matrix(rows, self.variables())
     }
 
     /// σ, change of the spline's coefficients per unit of x in the problem as posed \[rad\].

@@ -63,8 +63,15 @@ fn stop(problem: &Problem, set: &SafeSet, angle: f64, velocity: f64, load: f64) 
     stop
 }
 
-/// A problem, with damping or a weak motor as asked for, and its first set.
-fn example(flexure: bool, damping: f64, peak: Option<f64>, horizon: usize) -> (Problem, SafeSet) {
+/// A problem, with damping, a weak motor, or one for which the arm itself is nearly too heavy, and its first
+/// set.
+fn example(
+    flexure: bool,
+    damping: f64,
+    peak: Option<f64>,
+    heavy: Option<f64>,
+    horizon: usize,
+) -> (Problem, SafeSet) {
     let mut problem = if flexure { tflex() } else { pendulum() };
     problem.terminal = Terminal::SafeSet;
     problem.horizon = horizon;
@@ -72,19 +79,32 @@ fn example(flexure: bool, damping: f64, peak: Option<f64>, horizon: usize) -> (P
     if let Some(peak) = peak {
         problem.motor.peak_torque = peak;
     }
+    if let Some(part) = heavy {
+        let scan = Scan::new(&problem.arm, problem.angle_lower, problem.angle_upper);
+        let [least, most] = scan.extremes();
+        let current = most.max(-least) / problem.motor.torque_constant;
+        problem.thermal_limit = Some(part * current * current);
+        // So that limits count within the time of braking.
+        problem.motor.thermal_time_constant = 2.0;
+    }
     let [lower, upper] = RestPoints::new(&problem).intervals()[0];
     (problem, SafeSet::new(&problem, lower, upper))
 }
 
 fn any_example() -> impl Strategy<Value = (Problem, SafeSet)> {
     let peak = prop_oneof![Just(None), (4.0..20.0).prop_map(Some)];
+    let heavy = prop_oneof![Just(None), (0.3..1.5).prop_map(Some)];
     (
         any::<bool>(),
         prop_oneof![Just(0.0), 0.0..1.0],
         peak,
+        heavy,
         2..60_usize,
     )
-        .prop_map(|(flexure, damping, peak, horizon)| example(flexure, damping, peak, horizon))
+        .prop_map(|(flexure, damping, peak, heavy, horizon)| {
+            example(flexure, damping, peak, heavy, horizon)
+        })
+        .prop_filter("rest somewhere", |(_, set)| set.upper > set.lower + 1e-6)
 }
 
 /// The largest velocity towards the bound of `side` for which `is_safe` holds, by bisection.
