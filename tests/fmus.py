@@ -22,6 +22,8 @@ ENUMERATIONS = {
     "reference.source": {"nmpc": 1, "profile": 2},
     "feedback.law": {"lqr": 1, "lqri": 2, "pid": 3},
     "feedback.design": {"weights": 1, "gains": 2},
+    "nmpc.model": {"nonlinear": 1, "qp": 2},
+    "nmpc.terminal": {"rest_at_goal": 1, "safe_set": 2, "free": 3},
     "nmpc.solver": {"automatic": 1, "riccati": 2, "clarabel": 3},
     "nmpc.instruction_set": {"automatic": 1, "baseline": 2},
 }

@@ -46,6 +46,8 @@ def refused(flexarm, tmp_path, *arguments, controller=None, plant=None) -> str:
         ("limits.angle_lower=2", ["limits.angle_lower", "2", "rad"]),
         ("initial.angle=3", ["initial.angle", "3", "rad"]),
         ("nmpc.angle_margin=1", ["nmpc.angle_margin", "1", "rad"]),
+        ("nmpc.model=qp", ["nmpc.solver = 2", "clarabel", "nmpc.terminal", "rest_at_goal"]),
+        ("nmpc.terminal=rest", ["nmpc.terminal", "rest_at_goal", "safe_set", "free"]),
         ("feedback.law=mpc", ["feedback.law", "mpc", "lqr", "lqri", "pid"]),
         ("no.such.thing=1", ["no.such.thing"]),
         ("arm.inertia=heavy", ["arm.inertia", "heavy"]),

@@ -3,8 +3,12 @@
 
 #![allow(clippy::print_stdout, reason = "the tables are the product")]
 
+/// Shared with the tests of the controller.
+#[path = "../../control/tests/common/mod.rs"]
+mod closed_loop;
 mod growth;
 mod instructions;
+mod models;
 mod output;
 mod packages;
 mod planners;
@@ -44,6 +48,7 @@ enum Command {
     Starts(starts::Options),
     Growth(growth::Options),
     Rates(rates::Options),
+    Models(models::Options),
     /// Count the instructions of a plan with valgrind, by every instruction set
     ///
     /// Closed form, cold at a limit, and warm at a limit, N = 40, by the Riccati solver: without and with fused
@@ -67,6 +72,7 @@ fn main() -> ExitCode {
         Some(Command::Starts(options)) => starts::run(&options),
         Some(Command::Growth(options)) => growth::run(&options),
         Some(Command::Rates(options)) => rates::run(&options),
+        Some(Command::Models(options)) => models::run(&options),
         Some(Command::Instructions) => instructions::run(),
         Some(Command::Work(work)) => instructions::work(&work),
         Some(Command::Serve) => serve::run(),

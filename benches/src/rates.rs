@@ -1,8 +1,6 @@
 //! What planning at the feedback's rate buys, and what a late plan costs: closed loops in process.
 
 mod figure;
-#[path = "../../control/tests/common/mod.rs"]
-mod plant;
 
 use std::path::PathBuf;
 
@@ -10,9 +8,9 @@ use arm::Parameters;
 use clap::Args;
 use control::Settings;
 
-use self::plant::Loop;
-use self::plant::rates::{self, PENDULUM, Run, SECONDS, TFLEX};
 use crate::Failure;
+use crate::closed_loop::Loop;
+use crate::closed_loop::rates::{self, PENDULUM, Run, SECONDS, TFLEX};
 use crate::output::save_figure;
 use crate::statistics::aligned;
 

@@ -7,7 +7,7 @@
 
 use arm::{Instructions, Motor, Parameters};
 
-use crate::nmpc::problem::{FeedbackModel, Initial, Problem, Weights};
+use crate::nmpc::problem::{FeedbackModel, Initial, Model, Problem, Terminal, Weights};
 use crate::nmpc::rk4::QUADRATURE;
 use crate::nmpc::rollout::Rollout;
 use crate::nmpc::transcription::Transcription;
@@ -53,6 +53,9 @@ impl Prediction {
             arm: *arm,
             motor: *motor,
             feedback: *feedback,
+            model: Model::Nonlinear,
+            terminal: Terminal::Free,
+            torque_limit: None,
         };
         Self {
             transcription: Transcription::new(problem, Instructions::Baseline),

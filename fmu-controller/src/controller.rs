@@ -154,7 +154,7 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
         PlanStatus::ThermalSlack => log.write(
             Severity::Warning,
             WARNING,
-            format_args!("at {time} s no plan keeps the thermal limit: planning the least excess"),
+            format_args!("at {time} s no plan keeps the thermal limit, or the torque limit of nmpc.model = qp: planning the least excess"),
         ),
         PlanStatus::AngleSlack => log.write(
             Severity::Warning,

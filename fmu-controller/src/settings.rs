@@ -53,6 +53,15 @@ fn planner(variables: &Variables) -> Result<nmpc::settings::Settings, Failure> {
         deadline: n.deadline,
         latency: n.latency,
         models_latency: n.models_latency,
+        model: match item("nmpc.model", n.model)? {
+            declared::NmpcModel::Nonlinear => nmpc::problem::Model::Nonlinear,
+            declared::NmpcModel::Qp => nmpc::problem::Model::Qp,
+        },
+        terminal: match item("nmpc.terminal", n.terminal)? {
+            declared::NmpcTerminal::RestAtGoal => nmpc::problem::Terminal::RestAtGoal,
+            declared::NmpcTerminal::SafeSet => nmpc::problem::Terminal::SafeSet,
+            declared::NmpcTerminal::Free => nmpc::problem::Terminal::Free,
+        },
         weights: nmpc::problem::Weights {
             angle: n.weight_angle,
             velocity: n.weight_velocity,

@@ -46,16 +46,35 @@ impl Grid {
         self.nodes[self.nodes.len() - 1]
     }
 
-    /// The `moves` \[N\] of a plan made `ago` \[s\], averaged over the intervals of a plan made now \[N\];
-    /// zero after its end. O(N).
+    /// Time when interval `k` begins, those after the last one being as long as that \[s\].
+    fn begin(&self, k: usize) -> f64 {
+        let last = self.nodes.len() - 1;
+        let longest = self.nodes[last] - self.nodes[last - 1];
+        self.nodes[k.min(last)] + k.saturating_sub(last) as f64 * longest
+    }
+
+    /// Time that `moves` take, those after the last interval being as long as that \[s\].
+    pub fn duration_of(&self, moves: &[f64]) -> f64 {
+        self.begin(moves.len())
+    }
+
+    /// Velocity that the `moves` of a plan made `ago` \[s\] still add up to \[rad/s\]. O(moves).
+    pub fn gain_left(&self, moves: &[f64], ago: f64) -> f64 {
+        let left = |k: usize| self.begin(k + 1) - self.begin(k).max(ago);
+        let gains = moves.iter().enumerate().map(|(k, u)| u * left(k).max(0.0));
+        gains.sum()
+    }
+
+    /// The `moves` of a plan made `ago` \[s\], at least N, averaged over the intervals of a plan made now
+    /// \[N\]; zero after their end. O(moves).
     pub fn shifted(&self, moves: &[f64], ago: f64, out: &mut [f64]) {
         let mut old = 0;
         for (u, now) in out.iter_mut().zip(self.nodes.windows(2)) {
             let (from, to) = (now[0] + ago, now[1] + ago);
             let mut gained = 0.0;
             while old < moves.len() {
-                let end = self.nodes[old + 1];
-                let shared = end.min(to) - self.nodes[old].max(from);
+                let end = self.begin(old + 1);
+                let shared = end.min(to) - self.begin(old).max(from);
                 gained += moves[old] * shared.max(0.0);
                 if end > to {
                     break;
@@ -124,6 +143,23 @@ mod tests {
                 let gained = velocity(&moves, time + ago) - velocity(&moves, ago);
                 prop_assert!((velocity(&shifted, time) - gained).abs() < 1e-10);
             }
+            let all = velocity(&moves, f64::INFINITY);
+            prop_assert!((grid.gain_left(&moves, ago) - all + velocity(&moves, ago)).abs() < 1e-10);
+        }
+
+        /// Moves beyond the horizon last as long as the last interval, and come into sight in time.
+        #[test]
+        fn moves_after_the_end_follow(moves in any_moves(60), periods in 0..65_usize) {
+            let grid = Grid::new(&pendulum());
+            prop_assert!((grid.duration_of(&moves) - 3.0).abs() < 1e-12);
+            let mut shifted = vec![0.0; 40];
+            grid.shifted(&moves, periods as f64 * 0.05, &mut shifted);
+            for (k, u) in shifted.iter().enumerate() {
+                let expected = moves.get(k + periods).unwrap_or(&0.0);
+                prop_assert!((u - expected).abs() < 1e-11, "{k}: {u} {expected}");
+            }
+            let left: f64 = moves.iter().skip(periods).map(|u| 0.05 * u).sum();
+            prop_assert!((grid.gain_left(&moves, periods as f64 * 0.05) - left).abs() < 1e-10);
         }
     }
 

@@ -3,7 +3,7 @@
 //!
 //! | part | question | module |
 //! |---|---|---|
-//! | problem | what is optimised? | [`problem`], from the contract's [`settings`] |
+//! | problem | what is optimised? | [`problem`], from the contract's [`settings`]; [`safe_set`], [`torque_bounds`] |
 //! | transcription | how does it become numbers? | [`grid`], [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], its [`plan`], [`rest`] |
@@ -49,9 +49,11 @@ pub mod problem;
 pub mod rest;
 pub mod rk4;
 pub mod rollout;
+pub mod safe_set;
 pub mod settings;
 pub mod solver;
 pub mod spline;
+pub mod torque_bounds;
 pub mod transcription;
 pub mod unconstrained;
 

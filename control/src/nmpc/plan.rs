@@ -18,7 +18,8 @@ pub enum PlanStatus {
     Solved = 1,
     /// Solved for the admissible rest point nearest to the setpoint.
     GoalProjected = 2,
-    /// Solved, but the thermal limit could not be kept: the least excess was planned.
+    /// Solved, but the thermal limit, or the torque limit of the linear model, could not be kept: the least
+    /// excess was planned.
     ThermalSlack = 3,
     /// The solver was stopped before it converged: the plan is admissible, or of nearly the least excess.
     IterationLimit = 4,
@@ -82,6 +83,13 @@ impl Plan {
         }
     }
 
+    /// θr and ωr at its end \[rad, rad/s\].
+    pub fn end(&self) -> [f64; 2] {
+        let last = self.moves.len();
+        let nodes = &self.trajectory;
+        [nodes.reference_angle[last], nodes.reference_velocity[last]]
+    }
+
     /// The plan at `position` = 0..N, counted in shooting intervals from its start. The reference is exact
     /// between nodes, u being constant there; angle and thermal load are linear. O(1).
     pub fn at(&self, position: f64) -> Instant {
@@ -113,7 +121,8 @@ impl Plan {
 /// What the planner remembers from plan to plan.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlannerState {
-    /// Moves of the latest plan that was found, or of braking to rest \[N\] \[rad/s²\].
+    /// Moves of the latest plan that was found, or of braking to rest, and of the braking that follows a plan
+    /// without terminal rest \[N, or N + max(N, 40)\] \[rad/s²\].
     pub moves: Vec<f64>,
     /// How many periods ago that was; none before the first plan.
     pub age: Option<u32>,
@@ -122,10 +131,10 @@ pub struct PlannerState {
 }
 
 impl PlannerState {
-    /// Before the first plan of `horizon` intervals.
-    pub fn new(horizon: usize) -> Self {
+    /// Before the first plan of `horizon` intervals, each remembered with `braking` more.
+    pub fn new(horizon: usize, braking: usize) -> Self {
         Self {
-            moves: vec![0.0; horizon],
+            moves: vec![0.0; horizon + braking],
             age: None,
             multipliers: Multipliers::new(horizon),
         }

@@ -8,6 +8,9 @@
 //! 4. Where no plan comes out, the previous plan goes on, shifted: it ends at rest. Where none is left,
 //!    the reference is braked to rest.
 //!
+//! A plan that need not end at rest (`nmpc.terminal`) is remembered with the braking that follows it
+//! ([`super::safe_set`]); step 4 then goes on with both. From a safe set that keeps all limits.
+//!
 //! With a clock ([`Planner::set_clock`]) the solvers stop before the deadline; the best of their iterates is
 //! then the plan if it keeps the limits, or exceeds the thermal one little more than step 4 would.
 //!
@@ -15,18 +18,19 @@
 
 mod angle_bounds;
 mod braking;
+mod fall_back;
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
 use self::angle_bounds::{bound_angle, widen};
-use self::braking::brake;
 use super::conic::Conic;
 use super::grid::Grid;
 use super::interior_point;
 use super::plan::{Plan, PlanStatus, PlannerState};
-use super::problem::{FeedbackModel, Initial, Problem};
+use super::problem::{FeedbackModel, Initial, Model, Problem, Terminal};
 use super::rest::RestPoints;
 use super::rollout::Rollout;
+use super::safe_set::SafeSet;
 use super::settings::{Method, Settings};
 use super::solver::{
     ANGLE_TOLERANCE, Clock, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit,
@@ -42,9 +46,9 @@ const EXCESS_WEIGHT: f64 = 1e3;
 const LEAST_MOVEMENT: f64 = 1e-3;
 /// Excess of an unfinished plan that is taken, relative to that of the fallback.
 const NEARLY_LEAST: f64 = 1.1;
-/// Velocity left at the end of a shifted plan that counts as rest \[rad/s\]; relative to the start's where
-/// that is above 1.
-const REST_TOLERANCE: f64 = 1e-6;
+/// Excess of the linear model's torque that is none of the plan's, in units of the limit: where a plan along
+/// the limit goes on, the measured angle is never quite the predicted one.
+const TORQUE_SLACK: f64 = 1e-3;
 
 /// Makes plans for one arm.
 pub struct Planner {
@@ -56,8 +60,12 @@ pub struct Planner {
     /// When the plan at hand must be ready \[s\].
     end: f64,
     rest: RestPoints,
+    /// For every interval of rest points; none where plans end at rest.
+    safe_sets: Vec<SafeSet>,
+    /// Where the plan at hand may end, if not at rest.
+    safe_set: Option<SafeSet>,
     unconstrained: Unconstrained,
-    /// Tried in this order; none for N = 2, where terminal rest leaves no choice.
+    /// Tried in this order; none for N = 2 with terminal rest, which then leaves no choice.
     solvers: Vec<Box<dyn Solver + Send>>,
     least_scale: f64,
     cost_scale: f64,
@@ -98,8 +106,10 @@ impl Planner {
         })?;
         let least_scale = unconstrained.cost_of_movement(LEAST_MOVEMENT);
         let mut solvers: Vec<Box<dyn Solver + Send>> = Vec::new();
-        if horizon > 2 {
-            if settings.solver != Method::Clarabel {
+        let ends_at_rest = problem.terminal == Terminal::RestAtGoal;
+        if horizon > 2 || !ends_at_rest {
+            let structured = problem.model == Model::Nonlinear && ends_at_rest;
+            if settings.solver != Method::Clarabel && structured {
                 solvers.push(interior_point::new(&transcription));
             }
             if settings.solver != Method::Riccati {
@@ -109,14 +119,23 @@ impl Planner {
                 )));
             }
         }
+        let rest = RestPoints::new(&problem);
+        let (mut safe_sets, mut braking) = (Vec::new(), 0);
+        if !ends_at_rest {
+            let intervals = rest.intervals().iter();
+            safe_sets.extend(intervals.map(|&[from, to]| SafeSet::new(&problem, from, to)));
+            braking = SafeSet::stopping_intervals(horizon);
+        }
         Ok(Self {
-            rest: RestPoints::new(&problem),
+            rest,
+            safe_set: safe_sets.first().copied(),
+            safe_sets,
             unconstrained,
             solvers,
             least_scale,
             cost_scale: least_scale,
-            angle_bounds: vec![[0.0; 2]; horizon - 1],
-            state: PlannerState::new(horizon),
+            angle_bounds: vec![[0.0; 2]; problem.bounded_nodes()],
+            state: PlannerState::new(horizon, braking),
             plan: Plan::new(&grid),
             shifted: Rollout::new(horizon),
             guess: vec![0.0; horizon],
@@ -151,8 +170,9 @@ impl Planner {
 
     /// Goes on from `state`; one of another horizon counts as none.
     pub fn set_state(&mut self, state: &PlannerState) {
-        let horizon = self.state.moves.len();
-        if state.moves.len() == horizon && state.multipliers.fit(horizon) {
+        let horizon = self.problem().horizon;
+        let moves = self.state.moves.len();
+        if state.moves.len() == moves && state.multipliers.fit(horizon) {
             self.state.clone_from(state);
         } else {
             self.state.age = None;
@@ -171,27 +191,17 @@ impl Planner {
         (self.plan.iterations, self.plan.convex_problems) = (0, 0);
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
-            self.plan.goal = self.rest.nearest(setpoint);
-            self.transcription.set(*initial, self.plan.goal);
+            let (goal, interval) = self.rest.nearest(setpoint);
+            self.plan.goal = goal;
+            self.safe_set = self.safe_sets.get(interval).copied();
+            self.transcription.set(*initial, goal);
         }
         let status = if finite { self.solve(setpoint) } else { None };
         self.plan.status = status.unwrap_or_else(|| self.fall_back(initial, finite));
         if self.plan.status != PlanStatus::ShiftedPlan {
-            self.state.age = Some(0);
-            self.state.moves.copy_from_slice(&self.plan.moves);
+            self.remember(finite);
         }
         &self.plan
-    }
-
-    /// The moves in memory as they go on from now, in `guess`; false if there are none any more.
-    fn shift_moves(&mut self) -> bool {
-        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * self.problem().period;
-        // A whole number of periods misses the end by rounding.
-        let left = ago < self.grid.duration() * (1.0 - 1e-9);
-        if left {
-            self.grid.shifted(&self.state.moves, ago, &mut self.guess);
-        }
-        left
     }
 
     /// Makes a new plan; none if there is none worth having.
@@ -206,6 +216,10 @@ impl Planner {
             self.transcription.problem(),
             &plan.trajectory,
         );
+        if let (Some(set), Some([lower, upper])) = (&mut self.safe_set, self.angle_bounds.last()) {
+            // A start from beyond the bounds may still be on its way back at the end.
+            (set.lower, set.upper) = (set.lower.min(*lower), set.upper.max(*upper));
+        }
         let status = if settled && self.task().admits(&self.plan.trajectory) {
             self.state.multipliers.known = false;
             SolverStatus::Solved
@@ -232,6 +246,11 @@ impl Planner {
         let limit = problem.thermal_limit.unwrap_or(f64::INFINITY);
         let mut loads = trajectory.thermal_load[1..].iter();
         let over = loads.any(|load| load - limit > THERMAL_TOLERANCE);
+        let task = self.task();
+        // At the plan's end also what stopping takes, if that is to be kept free.
+        let over = over
+            || (task.safe_set.is_some() && task.excess(trajectory) > THERMAL_TOLERANCE)
+            || task.torque_excess(trajectory) > TORQUE_SLACK;
         let (lowest, highest) = (problem.angle_lower, problem.angle_upper);
         let widened = self
             .angle_bounds
@@ -243,12 +262,12 @@ impl Planner {
             SolverStatus::Solved if self.plan.goal != setpoint => Some(PlanStatus::GoalProjected),
             SolverStatus::Solved => Some(PlanStatus::Solved),
             SolverStatus::Infeasible => None,
-            _ if self.task().admits(trajectory) && widened => Some(PlanStatus::AngleSlack),
-            _ if self.task().admits(trajectory) => stopped,
+            _ if task.admits(trajectory) && widened => Some(PlanStatus::AngleSlack),
+            _ if task.admits(trajectory) => stopped,
             // Excess is near its least long before the sequence settles; it is taken unless going on as
             // before, or braking, exceeds the limit by less.
-            _ if self.task().angle_excess(trajectory) <= ANGLE_TOLERANCE
-                && trajectory.total_excess <= NEARLY_LEAST * self.shifted.total_excess =>
+            _ if task.keeps_bounds(trajectory)
+                && task.penalty(trajectory) <= NEARLY_LEAST * task.penalty(&self.shifted) =>
             {
                 stopped
             }
@@ -256,26 +275,11 @@ impl Planner {
         }
     }
 
-    /// Rolls out what there is without a new plan: the previous one, shifted, or braking.
-    fn roll_out_fall_back(&mut self) {
-        let left = self.shift_moves();
-        let transcription = &self.transcription;
-        if !left {
-            brake(
-                transcription.problem(),
-                self.grid.nodes(),
-                transcription.initial(),
-                &mut self.guess,
-            );
-        }
-        transcription.roll_out(&self.guess, &mut self.shifted);
-    }
-
     /// Improves on the plan without inequalities.
     fn run_solvers(&mut self) -> SolverStatus {
         self.guess_from_shifted();
         let status = self.run_until_solved();
-        if status != SolverStatus::Infeasible {
+        if status != SolverStatus::Infeasible || self.safe_set.is_some() {
             return status;
         }
         // So short a horizon leaves too little freedom: allow what terminal rest takes.
@@ -312,7 +316,12 @@ impl Planner {
         let time_limit = clock.map(|clock| TimeLimit { clock, end });
         let task = Task {
             time_limit,
-            ..task(&self.transcription, &self.angle_bounds, self.cost_scale)
+            ..task(
+                &self.transcription,
+                &self.angle_bounds,
+                self.safe_set.as_ref(),
+                self.cost_scale,
+            )
         };
         let outcome = self.solvers[index].solve(
             &task,
@@ -332,7 +341,9 @@ impl Planner {
             return;
         }
         let transcription = &self.transcription;
-        transcription.end_at_rest(&mut self.guess);
+        if self.safe_set.is_none() {
+            transcription.end_at_rest(&mut self.guess);
+        }
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
         let task = self.task();
         if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {
@@ -345,37 +356,12 @@ impl Planner {
 
     /// The task at hand.
     fn task(&self) -> Task<'_> {
-        task(&self.transcription, &self.angle_bounds, self.cost_scale)
-    }
-
-    /// Goes on with the previous moves if they still end at rest, else brakes.
-    fn fall_back(&mut self, initial: &Initial, finite: bool) -> PlanStatus {
-        let left = self.shift_moves();
-        let transcription = &self.transcription;
-        let Plan {
-            moves,
-            trajectory,
-            time,
-            ..
-        } = &mut self.plan;
-        moves.copy_from_slice(&self.guess);
-        let intervals = moves.iter().zip(time.windows(2));
-        let gained: f64 = intervals.map(|(u, node)| u * (node[1] - node[0])).sum();
-        let ends_at_rest = if finite {
-            let start = initial.reference_velocity;
-            (start + gained).abs() <= REST_TOLERANCE * (1.0 + start.abs())
-        } else {
-            gained.is_finite()
-        };
-        let mut status = PlanStatus::ShiftedPlan;
-        if !left || !ends_at_rest {
-            status = PlanStatus::Rest;
-            brake(transcription.problem(), time, initial, moves);
-        }
-        if finite {
-            transcription.roll_out(moves, trajectory);
-        }
-        status
+        task(
+            &self.transcription,
+            &self.angle_bounds,
+            self.safe_set.as_ref(),
+            self.cost_scale,
+        )
     }
 }
 
@@ -383,11 +369,14 @@ impl Planner {
 fn task<'a>(
     transcription: &'a Transcription,
     angle_bounds: &'a [[f64; 2]],
+    safe_set: Option<&'a SafeSet>,
     cost_scale: f64,
 ) -> Task<'a> {
+    let is_asked_for = transcription.problem().terminal == Terminal::SafeSet;
     Task {
         transcription,
         angle_bounds,
+        safe_set: safe_set.filter(|_| is_asked_for),
         cost_scale,
         excess_weight: EXCESS_WEIGHT,
         time_limit: None,

@@ -14,8 +14,39 @@
 //! ```
 //!
 //! with u constant over each of the N intervals.
+//!
+//! Two parts can be exchanged. The terminal equality (eq 27) gives way to a safe set (appendix B,
+//! [`super::safe_set`]) or to nothing, by [`Terminal`]; the bounds of θr then hold at the node N too. And
+//! [`Model::Qp`] leaves the thermal load out, which makes a quadratic programme of the problem (appendix C.2):
+//! q_T = 0, no eq 26, and instead, at both ends of every interval (appendix C.3, [`super::torque_bounds`]),
+//!
+//! ```text
+//! −τ_max ≤ g_lower(θ) + d·ωr + J·u      g_upper(θ) + d·ωr + J·u ≤ τ_max
+//! ```
 
 use arm::{Motor, Parameters};
+
+use super::torque_bounds::TorqueLimit;
+
+/// What the plan knows of the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Motion, torque and thermal load (eqs 20 to 22).
+    Nonlinear,
+    /// Motion alone, with pessimistic affine bounds of the torque (appendix C).
+    Qp,
+}
+
+/// What is asked of the plan's end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terminal {
+    /// Rest at the goal (eq 27).
+    RestAtGoal,
+    /// A state from which the arm can be stopped within all limits (appendix B).
+    SafeSet,
+    /// Nothing, for comparison (sec 2.4.2): what comes after the plan may violate any limit.
+    Free,
+}
 
 /// Weights of the cost (eq 28).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,9 +101,20 @@ pub struct Problem {
     pub motor: Motor,
     /// Feedback inside the model (eqs 22, 38).
     pub feedback: FeedbackModel,
+    /// What the plan knows of the arm.
+    pub model: Model,
+    /// What is asked of its end.
+    pub terminal: Terminal,
+    /// Limit of the torque (appendix C.3); none: not limited.
+    pub torque_limit: Option<TorqueLimit>,
 }
 
 impl Problem {
+    /// Number of nodes with bounds of θr: all after the first, but for a last one that is fixed.
+    pub fn bounded_nodes(&self) -> usize {
+        self.horizon - usize::from(self.terminal == Terminal::RestAtGoal)
+    }
+
     /// Whether all shooting intervals are equally long.
     pub fn is_even(&self) -> bool {
         self.growth == 1.0 || self.longest <= self.period

@@ -1,8 +1,8 @@
 //! Angles where the arm may rest, and the nearest of them to a setpoint.
 //!
 //! A goal must be a rest point that can be held for ever: within the reference's bounds (eq 25), and with
-//! g(θ)²/Ki² below the thermal limit (eq 26). Other setpoints have no plan, so the planner aims at the
-//! nearest goal instead.
+//! g(θ)²/Ki² below the thermal limit (eq 26), or within the torque limit of the linear model (appendix C.3).
+//! Other setpoints have no plan, so the planner aims at the nearest goal instead.
 
 use super::problem::Problem;
 
@@ -20,6 +20,13 @@ impl RestPoints {
     /// Finds the rest points of `problem`. Where the limit admits none, the one of least torque remains.
     pub fn new(problem: &Problem) -> Self {
         let (lower, upper) = (problem.angle_lower, problem.angle_upper);
+        if let Some(torque) = &problem.torque_limit {
+            // None is refused at set-up.
+            let interval = torque.rest_interval(lower, upper);
+            return Self {
+                intervals: vec![interval.unwrap_or([lower, upper])],
+            };
+        }
         let limit = problem.thermal_limit_after(problem.longest);
         if limit.is_infinite() {
             return Self {
@@ -57,13 +64,18 @@ impl RestPoints {
         Self { intervals }
     }
 
-    /// The rest point nearest to `setpoint` \[rad\].
-    pub fn nearest(&self, setpoint: f64) -> f64 {
-        let mut best = self.intervals[0][0];
-        for &[lower, upper] in &self.intervals {
+    /// Disjoint closed intervals of rest points in rising order \[rad\].
+    pub fn intervals(&self) -> &[[f64; 2]] {
+        &self.intervals
+    }
+
+    /// The rest point nearest to `setpoint` \[rad\], and the number of its interval.
+    pub fn nearest(&self, setpoint: f64) -> (f64, usize) {
+        let mut best = (self.intervals[0][0], 0);
+        for (index, &[lower, upper]) in self.intervals.iter().enumerate() {
             let candidate = setpoint.max(lower).min(upper);
-            if (candidate - setpoint).abs() < (best - setpoint).abs() {
-                best = candidate;
+            if (candidate - setpoint).abs() < (best.0 - setpoint).abs() {
+                best = (candidate, index);
             }
         }
         best
@@ -110,16 +122,19 @@ mod tests {
     #[test]
     fn setpoints_inside_the_margin_move_to_its_edge() {
         let rest = RestPoints::new(&problem(0.85));
-        assert_eq!(rest.nearest(0.0), 0.02);
-        assert_eq!(rest.nearest(2.0), Limits::pendulum().angle_upper - 0.02);
-        assert_eq!(rest.nearest(0.5), 0.5);
+        assert_eq!(rest.nearest(0.0), (0.02, 0));
+        assert_eq!(rest.nearest(2.0).0, Limits::pendulum().angle_upper - 0.02);
+        assert_eq!(rest.nearest(0.5).0, 0.5);
     }
 
     proptest! {
         #[test]
         fn rest_points_can_be_held(share in 1e-3..1.0, setpoint in -1.0..3.0) {
             let problem = problem(share);
-            let rest = RestPoints::new(&problem).nearest(setpoint);
+            let points = RestPoints::new(&problem);
+            let (rest, index) = points.nearest(setpoint);
+            let [from, to] = points.intervals()[index];
+            prop_assert!((from..=to).contains(&rest));
             prop_assert!(problem.angle_lower <= rest && rest <= problem.angle_upper);
             let heat = |angle| (problem.arm.position_torque(angle) / problem.motor.torque_constant).powi(2);
             let limit = problem.thermal_limit.expect("limited");
@@ -138,7 +153,7 @@ mod tests {
     fn without_any_admissible_point_the_least_torque_remains() {
         let mut problem = problem(1e-3);
         problem.arm.offset = 5.0;
-        let rest = RestPoints::new(&problem).nearest(1.0);
+        let rest = RestPoints::new(&problem).nearest(1.0).0;
         let least = (0..=1000)
             .map(|i| {
                 problem.angle_lower

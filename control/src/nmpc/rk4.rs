@@ -1,7 +1,7 @@
 //! RK4 (eq 24) of the two parts of the model that are linear whatever the moves are: the deviation from the
 //! reference, and the thermal load for given heat.
 
-use super::problem::Problem;
+use super::problem::{Model, Problem};
 
 /// RK4 stages per interval.
 pub const STAGES: usize = 4;
@@ -47,7 +47,10 @@ impl Interval {
             curved: CURVED.map(|part| part * length * length),
             quadrature: QUADRATURE.map(|weight| weight * length),
             thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
-            deviation: deviation_step(problem, length),
+            deviation: match problem.model {
+                Model::Nonlinear => deviation_step(problem, length),
+                Model::Qp => exact_deviation_step(problem, length),
+            },
         }
     }
 }
@@ -110,19 +113,34 @@ impl ThermalStep {
     }
 }
 
-/// Stage values M_1..M_4 and step M_5 of dz/dt = F·z by RK4 (eq 24).
-fn deviation_step(problem: &Problem, h: f64) -> [Matrix3; STAGES + 1] {
+/// F of dz/dt = F·z (eqs 22, 37).
+fn deviation_rate(problem: &Problem) -> Matrix3 {
     let feedback = &problem.feedback;
     let gains = [
         feedback.gain_angle,
         feedback.gain_velocity,
         feedback.gain_integral,
     ];
-    let f: Matrix3 = [
+    [
         [0.0, 1.0, 0.0],
         gains.map(|gain| -gain / feedback.inertia),
         [1.0, 0.0, 0.0],
-    ];
+    ]
+}
+
+/// The same for the linear model: exact, as its discretisation is (appendix C.2).
+fn exact_deviation_step(problem: &Problem, h: f64) -> [Matrix3; STAGES + 1] {
+    let f = deviation_rate(problem);
+    let f = nalgebra::Matrix3::from_fn(|r, c| f[r][c]);
+    std::array::from_fn(|j| {
+        let step = (f * (h * ELAPSED.get(j).unwrap_or(&1.0))).exp();
+        std::array::from_fn(|r| std::array::from_fn(|c| step[(r, c)]))
+    })
+}
+
+/// Stage values M_1..M_4 and step M_5 of dz/dt = F·z by RK4 (eq 24).
+fn deviation_step(problem: &Problem, h: f64) -> [Matrix3; STAGES + 1] {
+    let f = deviation_rate(problem);
     let identity: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut steps = [identity; STAGES + 1];
     for j in 0..STAGES {
@@ -145,6 +163,24 @@ fn deviation_step(problem: &Problem, h: f64) -> [Matrix3; STAGES + 1] {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Ever shorter RK4 steps approach the exact one.
+    #[test]
+    fn the_exact_step_is_the_limit_of_many() {
+        let problem = Problem {
+            model: Model::Qp,
+            ..super::super::examples::tflex()
+        };
+        let exact = exact_deviation_step(&problem, 0.05);
+        let short = deviation_step(&problem, 0.05 / 512.0)[STAGES];
+        let matrix = |m: &Matrix3| nalgebra::Matrix3::from_fn(|r, c| m[r][c]);
+        for (exponent, exact) in
+            [(0, 0), (256, 1), (256, 2), (512, 3), (512, 4)].map(|(n, j)| (n, exact[j]))
+        {
+            let many = (0..exponent).fold(nalgebra::Matrix3::identity(), |m, _| m * matrix(&short));
+            assert!((many - matrix(&exact)).norm() < 1e-8 * matrix(&exact).norm());
+        }
+    }
 
     proptest! {
         #[test]

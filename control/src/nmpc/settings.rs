@@ -1,8 +1,10 @@
 //! Settings of the planner: the group `nmpc.*` of the contract, checked at set-up, all at once.
 
+mod torque;
+
 use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, require};
 
-use super::problem::{FeedbackModel, Problem, Weights};
+use super::problem::{FeedbackModel, Model, Problem, Terminal, Weights};
 use super::transcription::Transcription;
 
 /// Length of a shooting interval in units of that of the one before, at most.
@@ -10,15 +12,17 @@ pub const GROWTH: f64 = 1.5;
 /// Growth of the tracking error over a horizon beyond which a prediction is worthless.
 const MAX_DEVIATION_GROWTH: f64 = 1e3;
 
-/// Who solves what the plan without inequalities does not.
+/// Who solves what the plan without inequalities does not; numbered as `NmpcSolver` in the contract. Only plans of the nonlinear model that end at rest
+/// are solved by [`super::interior_point`]; for all others it is refused by itself, and not tried at all by
+/// [`Method::Automatic`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// [`super::interior_point`], and where that does not converge [`super::conic`].
-    Automatic,
+    Automatic = 1,
     /// [`super::interior_point`] alone.
-    Riccati,
+    Riccati = 2,
     /// [`super::conic`] alone.
-    Clarabel,
+    Clarabel = 3,
 }
 
 /// Settings of the planner; defaults are those of the T-flex (sec 4.1.1).
@@ -37,6 +41,10 @@ pub struct Settings {
     pub latency: f64,
     /// Whether a plan starts from the state predicted to the time when it is applied.
     pub models_latency: bool,
+    /// What the plan knows of the arm.
+    pub model: Model,
+    /// What is asked of its end.
+    pub terminal: Terminal,
     /// Weights of the cost (eq 28).
     pub weights: Weights,
     /// σ_θ, distance of the reference from the limits (eq 25) \[rad\].
@@ -64,6 +72,8 @@ impl Default for Settings {
             deadline: 0.0,
             latency: 0.0,
             models_latency: true,
+            model: Model::Nonlinear,
+            terminal: Terminal::RestAtGoal,
             weights: Weights {
                 angle: 1.0,
                 velocity: 0.0025,
@@ -101,16 +111,20 @@ impl Settings {
             return Err(errors);
         }
         let used = |used: bool, gain: f64| if used { gain } else { 0.0 };
+        let linear = self.model == Model::Qp;
+        let torque_limit = linear.then(|| self.torque_limit(arm, motor, limits));
         let problem = Problem {
             horizon: usize::try_from(self.horizon).unwrap_or_default(),
             period: self.period,
             growth: if self.duration > 0.0 { GROWTH } else { 1.0 },
             longest: self.longest_interval(),
-            weights: self.weights,
+            weights: Weights {
+                thermal: used(!linear, self.weights.thermal),
+                ..self.weights
+            },
             angle_lower: limits.angle_lower + self.angle_margin,
             angle_upper: limits.angle_upper - self.angle_margin,
-            thermal_limit: self
-                .thermal_limit
+            thermal_limit: (self.thermal_limit && !linear)
                 .then(|| self.thermal_share * self.thermal_share * motor.thermal_limit()),
             arm: *arm,
             motor: *motor,
@@ -123,7 +137,14 @@ impl Settings {
                     feedback.gain_integral,
                 ),
             },
+            model: self.model,
+            terminal: self.terminal,
+            torque_limit,
         };
+        self.validate_torque(&problem, &mut errors);
+        if !errors.is_empty() {
+            return Err(errors);
+        }
         if predictable(&problem) {
             return Ok(problem);
         }
@@ -215,6 +236,17 @@ impl Settings {
 
     fn validate(&self, motor: &Motor, limits: &Limits, errors: &mut Vec<Inadmissible>) {
         const WEIGHT: [f64; 2] = [0.0, 1e12];
+        let riccati = self.model == Model::Nonlinear && self.terminal == Terminal::RestAtGoal;
+        if self.solver == Method::Riccati && !riccati {
+            errors.push(Inadmissible {
+                name: "nmpc.solver",
+                value: f64::from(Method::Riccati as i32),
+                admissible: "1 (automatic) or 3 (clarabel): 2 (riccati) solves nmpc.model = 1 (nonlinear) with \
+                             nmpc.terminal = 1 (rest_at_goal) only"
+                    .to_owned(),
+                unit: "1",
+            });
+        }
         let weights = &self.weights;
         // Above the thermal time constant an RK4 step of eq 20 loses its positive weights.
         let longest = f64::min(10.0, motor.thermal_time_constant);

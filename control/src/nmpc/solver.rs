@@ -7,17 +7,24 @@
 //! ```
 //!
 //! an exact penalty: below the weight's price the thermal limit is kept wherever it can be kept, and where
-//! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only.
+//! it cannot, the excess is least. A solver sees the true model through [`Transcription`] only. With a safe
+//! set for the plan's end, T_N includes the heat of stopping, and the end must lie in the kinetic set. With the
+//! linear model the largest excess of the torque has a price in place of that of heat.
 
 use serde::{Deserialize, Serialize};
 
 use super::rollout::Rollout;
+use super::safe_set::SafeSet;
 use super::transcription::Transcription;
 
 /// Excess of the thermal load that counts as none \[A²\].
 pub const THERMAL_TOLERANCE: f64 = 1e-6;
 /// Excess of the reference over the angle bounds that counts as none \[rad\].
 pub const ANGLE_TOLERANCE: f64 = 1e-7;
+/// Excess of the torque over its limit that counts as none, in units of that.
+pub const TORQUE_TOLERANCE: f64 = 1e-6;
+/// Price of the largest excess of the torque over its limit, in units of that.
+pub const TORQUE_PRICE: f64 = 1e5;
 
 /// Tells the time, for deadlines. The maths has no clock of its own: without one it never stops early, and
 /// equal inputs give equal plans.
@@ -79,8 +86,11 @@ impl Pace {
 pub struct Task<'a> {
     /// Problem with start and goal.
     pub transcription: &'a Transcription,
-    /// Bounds of θr at the nodes 1..N−1 \[N − 1\] \[rad\]; wider than eq 25 where the start demands it.
+    /// Bounds of θr at the nodes 1..N−1 \[N − 1\], or 1..N where the end need not be at rest \[N\] \[rad\];
+    /// wider than eq 25 where the start demands it.
     pub angle_bounds: &'a [[f64; 2]],
+    /// Where the plan must end, if not at rest.
+    pub safe_set: Option<&'a SafeSet>,
     /// Cost that counts as 1 \[rad²·s\].
     pub cost_scale: f64,
     /// Price of thermal excess, in units of `cost_scale` \[1/A²\].
@@ -92,7 +102,40 @@ pub struct Task<'a> {
 impl Task<'_> {
     /// Cost and thermal excess of a rollout in one number.
     pub fn merit(&self, rollout: &Rollout) -> f64 {
-        rollout.cost / self.cost_scale + self.excess_weight * rollout.total_excess
+        rollout.cost / self.cost_scale + self.penalty(rollout)
+    }
+
+    /// Price of what exceeds the limits that have slack.
+    pub fn penalty(&self, rollout: &Rollout) -> f64 {
+        self.excess_weight * self.total_excess(rollout)
+            + TORQUE_PRICE * self.torque_excess(rollout).max(0.0)
+    }
+
+    /// Thermal excess of the last node: of T_N alone, and with the heat of stopping \[A²\].
+    fn terminal_excess(&self, rollout: &Rollout) -> [f64; 2] {
+        let Some(set) = self.safe_set else {
+            return [0.0; 2];
+        };
+        let (Some(angle), Some(velocity), Some(load)) = (
+            rollout.reference_angle.last(),
+            rollout.reference_velocity.last(),
+            rollout.thermal_load.last(),
+        ) else {
+            return [0.0; 2];
+        };
+        let beyond = load - set.thermal_limit;
+        [beyond, beyond + set.heat(*angle, *velocity)].map(|excess| excess.max(0.0))
+    }
+
+    /// Largest thermal excess at the nodes after the first \[A²\].
+    pub fn excess(&self, rollout: &Rollout) -> f64 {
+        rollout.excess.max(self.terminal_excess(rollout)[1])
+    }
+
+    /// Sum of the thermal excesses at the nodes after the first \[A²\].
+    pub fn total_excess(&self, rollout: &Rollout) -> f64 {
+        let [counted, all] = self.terminal_excess(rollout);
+        rollout.total_excess + (all - counted)
     }
 
     /// Largest distance of θr beyond its bounds \[rad\].
@@ -103,23 +146,58 @@ impl Task<'_> {
         })
     }
 
+    /// Whether a rollout keeps the angle bounds and ends in the kinetic set: all that has no slack.
+    pub fn keeps_bounds(&self, rollout: &Rollout) -> bool {
+        let ends = rollout
+            .reference_angle
+            .last()
+            .zip(rollout.reference_velocity.last());
+        let short = self
+            .safe_set
+            .zip(ends)
+            .map_or(0.0, |(set, (angle, velocity))| {
+                set.kinetic_excess(*angle, *velocity)
+            });
+        self.angle_excess(rollout).max(short) <= ANGLE_TOLERANCE
+    }
+
+    /// Largest excess of the torque over its limit (appendix C.3), in units of that; negative: within.
+    pub fn torque_excess(&self, rollout: &Rollout) -> f64 {
+        let problem = self.transcription.problem();
+        let Some(limit) = &problem.torque_limit else {
+            return f64::NEG_INFINITY;
+        };
+        let arm = &problem.arm;
+        let velocities = rollout.reference_velocity.windows(2);
+        let intervals = rollout.angle.windows(2).zip(velocities).enumerate();
+        let most = intervals.fold(f64::NEG_INFINITY, |most, (k, (angle, velocity))| {
+            let length = self.transcription.interval(k).length;
+            let inertia = arm.inertia * (velocity[1] - velocity[0]) / length;
+            let excess =
+                |end: usize| limit.excess(angle[end], arm.damping * velocity[end] + inertia);
+            most.max(excess(0)).max(excess(1))
+        });
+        most / limit.most
+    }
+
     /// Whether a rollout keeps every limit.
     pub fn admits(&self, rollout: &Rollout) -> bool {
         rollout.is_finite()
-            && rollout.excess <= THERMAL_TOLERANCE
-            && self.angle_excess(rollout) <= ANGLE_TOLERANCE
+            && self.excess(rollout) <= THERMAL_TOLERANCE
+            && self.torque_excess(rollout) <= TORQUE_TOLERANCE
+            && self.keeps_bounds(rollout)
     }
 
     /// How good a rollout is as a plan, the least the best: first whether it keeps every limit, then whether
-    /// it keeps the angle bounds, then its merit.
+    /// it keeps those without slack, then its merit.
     pub fn rank(&self, rollout: &Rollout) -> (u8, f64) {
         let merit = self.merit(rollout);
         if !rollout.is_finite() || merit.is_nan() {
             (3, f64::INFINITY)
-        } else if self.angle_excess(rollout) > ANGLE_TOLERANCE {
+        } else if !self.keeps_bounds(rollout) {
             (2, merit)
         } else {
-            (u8::from(rollout.excess > THERMAL_TOLERANCE), merit)
+            (u8::from(!self.admits(rollout)), merit)
         }
     }
 }

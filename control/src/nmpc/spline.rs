@@ -10,18 +10,29 @@
 //! ```
 //!
 //! the rows dθr/dt = ωr and dωr/dt = u hold for every c. The start fixes c_−1 and c_0, terminal rest
-//! (eq 27) fixes c_{N−1} and c_N; the other N − 2 coefficients are free and are all there is to choose.
+//! (eq 27) fixes c_{N−1} and c_N; the other N − 2 coefficients are free and are all there is to choose. Without
+//! terminal rest c_1..c_N are.
 
 use arm::Instructions;
 use nalgebra::DMatrix;
 
+use super::problem::{Problem, Terminal};
 use super::rollout::{Rollout, Sensitivity};
 use super::transcription::Transcription;
 
-/// Coefficients c_−1..c_N \[N + 2\] \[rad\]; the free ones are c_1..c_{N−2}.
+/// Coefficients c_−1..c_N \[N + 2\] \[rad\]; the free ones are c_1..c_{N−2}, or c_1..c_N.
 #[derive(Clone, Debug)]
 pub struct Spline {
     coefficients: Vec<f64>,
+    free: usize,
+}
+
+/// Number of free coefficients: N − 2 with terminal rest, N without.
+pub fn free_coefficients(problem: &Problem) -> usize {
+    match problem.terminal {
+        Terminal::RestAtGoal => problem.horizon - 2,
+        Terminal::SafeSet | Terminal::Free => problem.horizon,
+    }
 }
 
 /// ∂(θr_k, ωr_k, u_k)/∂(c_{k−1}, c_k, c_{k+1}) of interval `k`.
@@ -37,17 +48,17 @@ pub fn stencil(transcription: &Transcription, k: usize) -> [[f64; 3]; 3] {
 }
 
 impl Spline {
-    /// Space for a horizon, all coefficients zero.
-    pub fn new(horizon: usize) -> Self {
+    /// Space for the splines of a problem, all coefficients zero.
+    pub fn new(problem: &Problem) -> Self {
         Self {
-            coefficients: vec![0.0; horizon + 2],
+            coefficients: vec![0.0; problem.horizon + 2],
+            free: free_coefficients(problem),
         }
     }
 
-    /// The free coefficients c_1..c_{N−2} \[N − 2\].
+    /// The free coefficients \[N − 2 or N\].
     pub fn free(&mut self) -> &mut [f64] {
-        let end = self.coefficients.len() - 2;
-        &mut self.coefficients[2..end]
+        &mut self.coefficients[2..2 + self.free]
     }
 
     /// Takes all coefficients over from `other`.
@@ -55,14 +66,18 @@ impl Spline {
         self.coefficients.copy_from_slice(&other.coefficients);
     }
 
-    /// Fixes both ends to start and terminal rest of `transcription`.
+    /// Fixes the ends that are not free to start and terminal rest of `transcription`.
     pub fn fix_ends(&mut self, transcription: &Transcription) {
         let initial = transcription.initial();
         let [angle, velocity] = transcription.terminal_reference();
         let last = self.coefficients.len() - 1;
+        let end_is_free = self.free + 2 > last;
         let half = 0.5 * transcription.length(0);
         self.coefficients[0] = initial.reference_angle - half * initial.reference_velocity;
         self.coefficients[1] = initial.reference_angle + half * initial.reference_velocity;
+        if end_is_free {
+            return;
+        }
         let half = 0.5 * transcription.length(last as isize);
         self.coefficients[last - 1] = angle - half * velocity;
         self.coefficients[last] = angle + half * velocity;
@@ -95,7 +110,7 @@ impl Spline {
     }
 }
 
-/// ∂cost/∂c of the free coefficients \[N − 2\].
+/// ∂cost/∂c of the free coefficients \[N − 2 or N\].
 pub fn gather(transcription: &Transcription, sensitivity: &Sensitivity, gradient: &mut [f64]) {
     gradient.fill(0.0);
     for (k, interval) in sensitivity.gradient.iter().enumerate() {
@@ -117,18 +132,18 @@ pub fn free_columns(k: usize, free: usize) -> impl Iterator<Item = (usize, usize
     })
 }
 
-/// ∂²cost/∂c² of the free coefficients, the cost of heat left out \[(N − 2) × (N − 2)\]: the same for
-/// every start and goal.
+/// ∂²cost/∂c² of the free coefficients, the cost of heat left out \[free × free\]: the same for every start
+/// and goal.
 pub fn hessian(transcription: &Transcription) -> DMatrix<f64> {
     // The cost without heat is a quadratic form: differences of its gradient are exact.
     let problem = *transcription.problem();
     let horizon = problem.horizon;
     let homogeneous = Transcription::new(problem, Instructions::Baseline);
-    let mut spline = Spline::new(horizon);
+    let mut spline = Spline::new(&problem);
     let mut rollout = Rollout::new(horizon);
     let mut sensitivity = Sensitivity::new(horizon);
     let mut moves = vec![0.0; horizon];
-    let free = horizon - 2;
+    let free = free_coefficients(&problem);
     let mut hessian = DMatrix::zeros(free, free);
     for m in 0..free {
         spline.free().fill(0.0);
@@ -159,7 +174,7 @@ mod tests {
             let problem = Problem { period: 0.02, growth, longest: f64::INFINITY, ..pendulum() };
             let mut transcription = Transcription::new(problem, Instructions::best());
             transcription.set(initial, goal);
-            let mut spline = Spline::new(40);
+            let mut spline = Spline::new(&problem);
             spline.free().copy_from_slice(&free);
             spline.fix_ends(&transcription);
             let mut moves = vec![0.0; 40];
@@ -188,7 +203,7 @@ mod tests {
             problem.weights.integral = if integral { 0.5 } else { 0.0 };
             let mut transcription = Transcription::new(problem, Instructions::best());
             transcription.set(initial, goal);
-            let mut spline = Spline::new(40);
+            let mut spline = Spline::new(&problem);
             spline.free().fill(goal);
             spline.fix_ends(&transcription);
             let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));

@@ -1,5 +1,6 @@
 //! The plan without inequalities: the optimum as a policy, the yardstick and first guess of every solver,
-//! and the final answer wherever it keeps the limits.
+//! and the final answer wherever it keeps the limits. Where the end need not be at rest the last two moves
+//! follow the cheapest policy like all others.
 //!
 //! Without q_T the optimum is u_k = −K_k·(θr−θ_goal, ωr, e, z), with gains that depend on the problem alone
 //! ([`super::linear_quadratic`]). With q_T Newton steps follow, with the true gradient and the same
@@ -8,6 +9,7 @@
 use arm::{Arithmetic, Kernel, Separate};
 
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
+use super::problem::Terminal;
 use super::rk4::STAGES;
 use super::rollout::{Rollout, Sensitivity};
 use super::transcription::Transcription;
@@ -56,7 +58,9 @@ impl Unconstrained {
             (vec![idle; horizon], vec![([0.0; STATES], 0.0); horizon]);
         for k in (0..horizon).rev() {
             let form = Form::new(problem, transcription.interval(k));
-            let imposed = (k + 2).checked_sub(horizon).map(|index| {
+            let at_rest = (k + 2).checked_sub(horizon);
+            let at_rest = at_rest.filter(|_| problem.terminal == Terminal::RestAtGoal);
+            let imposed = at_rest.map(|index| {
                 let [angle, velocity] = ends[index];
                 let left = (horizon - 1 - k) as f64;
                 imposed(

@@ -6,24 +6,32 @@
 //! | x, spline coefficients | N − 2 | | upper, then lower bounds of θr_1..θr_{N−1} | 2·(N − 1) |
 //! | ζ_1..ζ_N, thermal loads | N | | signs of s | N |
 //! | s_1..s_N, slacks | N | | room of ζ below the limit | N |
+//! | slack of the torque limit | 1 | | torque limit ([`super::torque_rows`]) | 4·N + 1 |
+//! | of the safe sets | 4 or 10 | | | |
+//! | | | | of the safe sets ([`super::safe_rows`]) | 8 |
 //! | | | | cones of the intervals: y + 1, y − 1, four currents | 6·N |
+//! | | | | cones of the safe sets | 6 or 24 |
 //!
-//! Without a thermal limit only x and its bounds are there.
+//! Only what the problem has is there. Without terminal rest x has N elements and θr_N bounds.
+
+mod layout;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DataUpdateError, DefaultSolution, DefaultSolver, SupportedConeT};
 use nalgebra::DMatrix;
 
+use super::super::problem::Terminal;
 use super::super::rk4::STAGES;
 use super::super::rollout::{Rollout, Sensitivity};
-use super::super::solver::Task;
+use super::super::solver::{TORQUE_PRICE, Task};
 use super::super::spline::{free_columns, gather, stencil};
 use super::super::transcription::Transcription;
+use super::pattern::place;
+use super::safe_rows::SafeRows;
+use super::torque_rows;
 
 /// Rows of a thermal cone.
 const CONE: usize = STAGES + 2;
-/// Entries of A that bound the angle, per spline coefficient.
-const BOUNDS: usize = 4;
 
 /// What an answer to the convex problem promises of the true one.
 pub struct Promise {
@@ -38,13 +46,18 @@ pub struct Promise {
 /// The convex problem: patterns fixed at set-up, values posed around a trajectory.
 pub struct Convex {
     horizon: usize,
-    /// Spline coefficients, N − 2.
+    /// Spline coefficients, N − 2 or N.
     free: usize,
+    /// Nodes with bounds of θr, N − 1 or N.
+    bounds: usize,
     /// Thermal loads: N, or none without a limit.
     loads: usize,
     /// Diagonals of P above the main one.
     band: usize,
-    /// Hessian of the cost without heat \[(N − 2) × (N − 2)\].
+    /// Rows of the torque limit: 4·N + 1, or none without one.
+    torque_rows: usize,
+    safe: Option<SafeRows>,
+    /// Hessian of the cost without heat \[free × free\].
     hessian: DMatrix<f64>,
     /// W, A² of thermal load per A² of squared current held for the first interval.
     heat_weight: f64,
@@ -61,7 +74,7 @@ impl Convex {
     /// Lays out the convex problem of `transcription`.
     pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
         let problem = transcription.problem();
-        let (horizon, free) = (problem.horizon, problem.horizon - 2);
+        let (horizon, free) = (problem.horizon, hessian.nrows());
         // An integral in the cost couples every pair of coefficients, all else only neighbours.
         let band = if problem.weights.integral > 0.0 {
             free - 1
@@ -71,8 +84,13 @@ impl Convex {
         let mut convex = Self {
             horizon,
             free,
+            bounds: problem.bounded_nodes(),
             loads: problem.thermal_limit.map_or(0, |_| horizon),
             band,
+            torque_rows: problem
+                .torque_limit
+                .map_or(0, |_| torque_rows::count(horizon)),
+            safe: None,
             hessian,
             heat_weight: transcription.interval(0).thermal.weights().iter().sum(),
             p: CscMatrix::zeros((0, 0)),
@@ -83,10 +101,24 @@ impl Convex {
             damping: 0.0,
             sensitivity: Sensitivity::new(horizon),
         };
+        if problem.terminal == Terminal::SafeSet {
+            let column = convex.torque_slack() + convex.torque_slacks();
+            let row = convex.safe_row();
+            let cone = row + SafeRows::LINEAR + CONE * convex.loads;
+            let thermal = convex.loads > 0;
+            convex.safe = Some(SafeRows::new(horizon, thermal, column, row, cone));
+        }
         convex.p = convex.pattern_p();
         convex.a = convex.pattern_a(transcription);
         convex.q = vec![0.0; convex.a.n];
         convex.b = vec![0.0; convex.a.m];
+        if convex.torque_slacks() > 0 {
+            let slack = convex.torque_slack();
+            convex.q[slack] = TORQUE_PRICE * torque_rows::UNIT;
+        }
+        if let Some(safe) = &convex.safe {
+            safe.constants(&mut convex.b);
+        }
         convex
     }
 
@@ -104,78 +136,13 @@ impl Convex {
     pub fn cones(&self) -> Vec<SupportedConeT<f64>> {
         let mut cones = vec![SupportedConeT::NonnegativeConeT(self.cone_row(0))];
         cones.extend((0..self.loads).map(|_| SupportedConeT::SecondOrderConeT(CONE)));
+        cones.extend(self.safe.iter().flat_map(SafeRows::cones));
         cones
     }
 
     /// Hands the values as posed to Clarabel.
     pub fn update(&self, clarabel: &mut DefaultSolver<f64>) -> Result<(), DataUpdateError> {
         clarabel.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b)
-    }
-
-    /// First row of the slacks' signs.
-    fn slack_row(&self) -> usize {
-        2 * (self.horizon - 1)
-    }
-
-    /// First row of the loads' room.
-    fn room_row(&self) -> usize {
-        self.slack_row() + self.loads
-    }
-
-    /// First row of the cone of interval `k`.
-    fn cone_row(&self, k: usize) -> usize {
-        self.room_row() + self.loads + CONE * k
-    }
-
-    fn pattern_p(&self) -> CscMatrix<f64> {
-        let (mut starts, mut rows) = (vec![0], Vec::new());
-        let variables = self.free + 2 * self.loads;
-        for column in 0..variables {
-            if column < self.free {
-                rows.extend(column.saturating_sub(self.band)..=column);
-            }
-            starts.push(rows.len());
-        }
-        let values = vec![0.0; rows.len()];
-        CscMatrix::new(variables, variables, starts, rows, values)
-    }
-
-    /// A with its constant entries; those of the currents are zero until posed.
-    fn pattern_a(&self, transcription: &Transcription) -> CscMatrix<f64> {
-        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-        let mut close = |column: &[(usize, f64)]| {
-            rows.extend(column.iter().map(|entry| entry.0));
-            values.extend(column.iter().map(|entry| entry.1));
-            starts.push(rows.len());
-        };
-        for m in 0..self.free {
-            let lower = self.horizon - 1 + m;
-            // c of node m + 1 moves this node and the next.
-            let own = stencil(transcription, m + 1)[0][1];
-            let next = stencil(transcription, m + 2)[0][0];
-            let mut column = vec![(m, own), (m + 1, next), (lower, -own), (lower + 1, -next)];
-            if self.loads > 0 {
-                for k in m..m + 3 {
-                    column.extend((2..CONE).map(|row| (self.cone_row(k) + row, 0.0)));
-                }
-            }
-            close(&column);
-        }
-        for k in 0..self.loads {
-            let cone = self.cone_row(k);
-            let mut column = vec![(self.room_row() + k, 1.0), (cone, -1.0), (cone + 1, -1.0)];
-            if k + 1 < self.horizon {
-                let next = self.cone_row(k + 1);
-                let decay = transcription.interval(k + 1).thermal.decay();
-                column.extend([(next, decay), (next + 1, decay)]);
-            }
-            close(&column);
-        }
-        for k in 0..self.loads {
-            close(&[(self.slack_row() + k, -1.0), (self.room_row() + k, -1.0)]);
-        }
-        let shape = (self.cone_row(self.loads), self.free + 2 * self.loads);
-        CscMatrix::new(shape.0, shape.1, starts, rows, values)
     }
 
     /// σ, change of the spline's coefficients per unit of x in the problem as posed \[rad\].
@@ -200,7 +167,7 @@ impl Convex {
         for q in gradient {
             *q *= self.sigma / task.cost_scale;
         }
-        let (upper, lower) = self.b.split_at_mut(self.horizon - 1);
+        let (upper, lower) = self.b.split_at_mut(self.bounds);
         for (k, [lowest, highest]) in task.angle_bounds.iter().enumerate() {
             let angle = rollout.reference_angle[k + 1];
             upper[k] = (highest - angle) / self.sigma;
@@ -208,6 +175,17 @@ impl Convex {
         }
         if let Some(limit) = problem.thermal_limit {
             self.pose_thermal_limit(task, rollout, limit);
+        }
+        if let Some(limit) = &problem.torque_limit {
+            let at = [self.torque_row(), self.torque_slack()];
+            let data = (&mut self.a, &mut self.b[..]);
+            torque_rows::pose(task, limit, rollout, self.sigma, at, data);
+        }
+        if let Some((safe, set)) = self.safe.zip(task.safe_set) {
+            let unit = self.heat_weight * problem.thermal_limit.unwrap_or(1.0);
+            let room = self.last_room_row();
+            let data = (&mut self.a, &mut self.b[..]);
+            safe.pose(task, set, rollout, [self.sigma, unit], room, data);
         }
     }
 
@@ -271,13 +249,13 @@ impl Convex {
                 self.b[cone + 2 + j] = weight * rollout.stages[k].torque[j];
                 let slope = self.torque_slope(task, rollout, k, j);
                 for (column, m) in free_columns(k, self.free) {
-                    let place = self.a.colptr[m] + BOUNDS + (2 - column) * STAGES + j;
+                    let place = place(&self.a, cone + 2 + j, m);
                     self.a.nzval[place] = -weight * self.sigma * slope[column];
                 }
             }
         }
         let slacks = self.free + self.loads;
-        self.q[slacks..].fill(task.excess_weight * unit);
+        self.q[slacks..slacks + self.loads].fill(task.excess_weight * unit);
     }
 
     /// ∂τ_j/∂(c_{k−1}, c_k, c_{k+1}) of interval `k` \[N·m/rad\].
@@ -310,16 +288,19 @@ impl Convex {
             cost_change += x[m] * (self.q[m] + row / (1.0 + self.damping));
         }
         let unit = self.heat_weight * task.transcription.problem().thermal_limit.unwrap_or(0.0);
-        let (loads, slacks) = x[self.free..].split_at(self.loads);
+        let (loads, slacks) = x[self.free..self.free + 2 * self.loads].split_at(self.loads);
         let prices = &solution.z[self.room_row()..];
         let mut misjudged = ((trial.cost - from.cost) / task.cost_scale - cost_change).abs();
         for (k, (load, price)) in loads.iter().zip(prices).enumerate() {
             let true_load = (trial.thermal_load[k + 1] - from.thermal_load[k + 1]) / unit;
             misjudged += price * (load - true_load).abs();
         }
+        let mut penalty = task.excess_weight * slacks.iter().sum::<f64>() * unit;
+        if self.torque_slacks() > 0 {
+            penalty += self.q[self.torque_slack()] * x[self.torque_slack()];
+        }
         Promise {
-            decrease: task.excess_weight * (from.total_excess - slacks.iter().sum::<f64>() * unit)
-                - cost_change,
+            decrease: task.penalty(from) - penalty - cost_change,
             excess: slacks.iter().fold(0.0, |most: f64, s| most.max(*s)) * unit,
             misjudged,
         }
@@ -327,133 +308,4 @@ impl Convex {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::super::examples::{any_initial, any_moves, pendulum, tflex};
-    use super::super::super::spline::{Spline, hessian};
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// Where g is affine the convex problem is no approximation: for any step its cost is the true
-        /// one, and its rows hold with the true loads exactly, the cones without room.
-        #[test]
-        fn for_an_affine_torque_cost_and_cones_are_exact(
-            initial in any_initial(), goal in 0.1..1.4, steps in any_moves(38), flexure: bool,
-        ) {
-            let mut problem = if flexure { tflex() } else { pendulum() };
-            problem.arm.cogging_cos = [0.0; 9];
-            problem.arm.cogging_sin = [0.0; 9];
-            problem.arm.damping = 0.1;
-            problem.weights.thermal = 0.0;
-            let mut transcription = Transcription::new(problem, arm::Instructions::best());
-            transcription.set(initial, goal);
-            let bounds = vec![[problem.angle_lower, problem.angle_upper]; 39];
-            let task = Task {
-                transcription: &transcription,
-                angle_bounds: &bounds,
-                cost_scale: 0.1,
-                excess_weight: 1e3,
-                time_limit: None,
-            };
-            let mut convex = Convex::new(&transcription, hessian(&transcription));
-            let roll_out = |spline: &Spline| {
-                let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-                spline.moves(&transcription, &mut moves);
-                transcription.roll_out(&moves, &mut rollout);
-                (moves, rollout)
-            };
-            let mut spline = Spline::new(40);
-            spline.free().fill(goal);
-            spline.fix_ends(&transcription);
-            let (moves, from) = roll_out(&spline);
-            convex.pose(&task, &moves, &from, 0.5);
-
-            let mut solution = DefaultSolution::new(convex.a.n, convex.a.m);
-            for (x, step) in solution.x.iter_mut().zip(&steps) {
-                *x = 0.01 * step;
-            }
-            for (c, x) in spline.free().iter_mut().zip(&solution.x) {
-                *c += convex.sigma() * x;
-            }
-            let (_, trial) = roll_out(&spline);
-            let limit = problem.thermal_limit.expect("limited");
-            for k in 0..40 {
-                let change = trial.thermal_load[k + 1] - from.thermal_load[k + 1];
-                solution.x[38 + k] = change / (convex.heat_weight * limit);
-                let excess = (trial.thermal_load[k + 1] - limit).max(0.0);
-                solution.x[78 + k] = excess / (convex.heat_weight * limit);
-            }
-            solution.z.fill(1.0);
-            let promise = convex.promise(&task, &solution, &from, &trial);
-            let merits = [task.merit(&from), task.merit(&trial)];
-            let accuracy = 1e-9 * (merits[0] + merits[1] + 1.0);
-            prop_assert!(promise.misjudged <= accuracy, "{}", promise.misjudged);
-            prop_assert!((promise.decrease - (merits[0] - merits[1])).abs() <= accuracy);
-            prop_assert!((promise.excess - trial.excess).abs() <= 1e-9);
-
-            // s = b − A·x: angle rows give the distance to the bounds, cones lie on their boundary.
-            let mut s = convex.b.clone();
-            for (column, x) in solution.x.iter().enumerate() {
-                for place in convex.a.colptr[column]..convex.a.colptr[column + 1] {
-                    s[convex.a.rowval[place]] -= convex.a.nzval[place] * x;
-                }
-            }
-            for k in 0..39 {
-                let angle = trial.reference_angle[k + 1];
-                let sigma = convex.sigma();
-                prop_assert!((s[k] * sigma - (problem.angle_upper - angle)).abs() < 1e-9);
-                prop_assert!((s[39 + k] * sigma - (angle - problem.angle_lower)).abs() < 1e-9);
-            }
-            for k in 0..40 {
-                let cone = &s[convex.cone_row(k)..][..CONE];
-                let norm = cone[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
-                prop_assert!((cone[0] - norm).abs() <= 1e-8 * (1.0 + norm), "{k}: {} {norm}", cone[0]);
-            }
-        }
-    }
-
-    /// The curvature of the cost of heat is that of λ·q with τ affine.
-    #[test]
-    fn the_cost_of_heat_bends_the_problem() {
-        let mut problem = tflex();
-        problem.weights.thermal = 1.0;
-        let mut transcription = Transcription::new(problem, arm::Instructions::best());
-        let initial = super::super::super::problem::Initial {
-            angle: 1.1,
-            reference_angle: 1.1,
-            thermal_load: 5.0,
-            ..Default::default()
-        };
-        transcription.set(initial, 1.3);
-        let task = Task {
-            transcription: &transcription,
-            angle_bounds: &[[0.9, 1.6]; 39],
-            cost_scale: 1.0,
-            excess_weight: 1e3,
-            time_limit: None,
-        };
-        let hessian = hessian(&transcription);
-        let mut convex = Convex::new(&transcription, hessian.clone());
-        let mut rollout = Rollout::new(40);
-        transcription.roll_out(&[0.0; 40], &mut rollout);
-        convex.pose(&task, &[0.0; 40], &rollout, 0.0);
-        let m = 20;
-        let scale = convex.sigma().powi(2);
-        let places = convex.p.colptr[m]..convex.p.colptr[m + 1];
-        for (place, row) in places.zip(m - 2..=m) {
-            let mut expected = hessian[(row, m)];
-            for k in 0..40 {
-                for j in 0..STAGES {
-                    let slope = convex.torque_slope(&task, &rollout, k, j);
-                    let of = |index: usize| {
-                        let column = (index + 2).checked_sub(k).filter(|&column| column < 3);
-                        column.map_or(0.0, |column| slope[column])
-                    };
-                    expected += 2.0 * convex.sensitivity.heat_price[k][j] * of(row) * of(m)
-                        / problem.motor.torque_constant.powi(2);
-                }
-            }
-            assert!((convex.p.nzval[place] / scale - expected).abs() < 1e-9 * expected.abs());
-        }
-    }
-}
+mod tests;

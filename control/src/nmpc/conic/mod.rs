@@ -27,6 +27,10 @@
 //!            y   = ȳ + ζ_{k+1} − a·ζ_k ,     i_j = (τ̄_j + σ·∇τ_j·x)/(Ki·√L)
 //! ```
 //!
+//! Where the problem has them there are also rows of the torque limit (appendix C.3) and variables, rows and
+//! cones of the safe sets at the last node (appendix B); neither needs a linearisation. The linear model,
+//! without loads, is one quadratic programme, exact as posed, and the sequence ends with its first member.
+//!
 //! # The sequence
 //! The next problem is posed around the last answer until true cost and true thermal load agree with what
 //! the convex problem promised (its prices weigh the loads), or until there is nothing left to gain. An
@@ -35,15 +39,16 @@
 //! budget is starved.
 
 mod convex;
+mod pattern;
+mod safe_rows;
+mod torque_rows;
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus as Ended};
 use nalgebra::DMatrix;
 
 use self::convex::{Convex, Promise};
 use super::rollout::Rollout;
-use super::solver::{
-    ANGLE_TOLERANCE, Multipliers, Outcome, Pace, Solver, SolverStatus, Task, TimeLimit,
-};
+use super::solver::{Multipliers, Outcome, Pace, Solver, SolverStatus, Task, TimeLimit};
 use super::spline::Spline;
 use super::transcription::Transcription;
 
@@ -70,7 +75,7 @@ pub struct Conic {
 
 impl Conic {
     /// Sets Clarabel up for the problem of `transcription`, whose cost without heat has the Hessian
-    /// `hessian` \[(N − 2) × (N − 2)\], N ≥ 3.
+    /// `hessian` \[free × free\], with at least one free coefficient.
     pub fn new(transcription: &Transcription, hessian: DMatrix<f64>) -> Self {
         let horizon = transcription.problem().horizon;
         let settings = DefaultSettings {
@@ -91,8 +96,8 @@ impl Conic {
         Self {
             clarabel,
             convex,
-            spline: Spline::new(horizon),
-            trial: Spline::new(horizon),
+            spline: Spline::new(transcription.problem()),
+            trial: Spline::new(transcription.problem()),
             trial_moves: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
             pace: Pace::default(),
@@ -160,7 +165,7 @@ impl Solver for Conic {
             convex_problems: 0,
         };
         let mut merit = task.merit(rollout);
-        let mut bounded = task.angle_excess(rollout) <= ANGLE_TOLERANCE;
+        let mut bounded = task.keeps_bounds(rollout);
         let mut damping = 0.0;
         self.pace.restart();
         while outcome.convex_problems < MAX_CONVEX_PROBLEMS {
@@ -183,14 +188,14 @@ impl Solver for Conic {
             }
             let trial = &mut self.trial_rollout;
             let trial_merit = task.merit(trial);
-            let trial_bounded = task.angle_excess(trial) <= ANGLE_TOLERANCE;
-            let penalty = task.excess_weight * trial.total_excess;
+            let trial_bounded = task.keeps_bounds(trial);
+            let penalty = task.penalty(trial);
             let tolerance =
                 COST_TOLERANCE * f64::max(1.0, trial_merit - penalty) + PENALTY_TOLERANCE * penalty;
 
             let kept = damping == 0.0
                 && promise.misjudged <= tolerance
-                && trial.excess <= promise.excess + EXCESS_TOLERANCE;
+                && task.excess(trial) <= promise.excess + EXCESS_TOLERANCE;
             let idle = damping == 0.0 && (merit - trial_merit).abs() <= tolerance;
             let nothing_left = bounded && (idle || promise.decrease * (1.0 + damping) <= tolerance);
             // An almost solved problem misses its rows a little; the true model judges that.

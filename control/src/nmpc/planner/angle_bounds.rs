@@ -2,13 +2,16 @@
 
 use super::super::problem::Problem;
 use super::super::rollout::Rollout;
+use super::super::solver::ANGLE_TOLERANCE;
 
-/// Bounds of θr at the nodes 1..N−1 (eq 25). A start outside may return as slowly as the optimum without
-/// inequalities does; once that is inside, the bounds hold.
+/// Bounds of θr at the nodes after the first (eq 25). A start outside may return as slowly as the optimum
+/// without inequalities does; once that is inside, the bounds hold.
 pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) {
     let (lower, upper) = (problem.angle_lower, problem.angle_upper);
     let start = unbounded.reference_angle[0];
-    let (mut below, mut above) = (start < lower, start > upper);
+    // A solver's tolerance beyond a bound is no licence to leave it.
+    let mut below = start < lower - ANGLE_TOLERANCE;
+    let mut above = start > upper + ANGLE_TOLERANCE;
     for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
         below &= angle < lower;
         above &= angle > upper;

@@ -302,9 +302,16 @@ fn no_plan_leaves_the_bounds_for_lack_of_time() {
 
 #[test]
 fn a_deadline_is_kept_and_leaves_a_plan_and_no_trace() {
-    for solver in [Method::Automatic, Method::Riccati, Method::Clarabel] {
+    let rest = Terminal::RestAtGoal;
+    for (solver, terminal) in [
+        (Method::Automatic, rest),
+        (Method::Riccati, rest),
+        (Method::Clarabel, rest),
+        (Method::Clarabel, Terminal::SafeSet),
+    ] {
         let settings = Settings {
             solver,
+            terminal,
             ..crate::Settings::pendulum().nmpc
         };
         let (mut stopped, mut reference) = (planner_of(settings), planner_of(settings));
@@ -347,5 +354,109 @@ fn a_deadline_is_kept_and_leaves_a_plan_and_no_trace() {
             assert!((plan.trajectory.cost - expected).abs() <= 1e-6 * expected);
         }
         assert!(seen[0] && seen[1], "{solver:?}: {seen:?}");
+    }
+}
+
+/// Plans that end in a safe set, without a solver from some moment on: what is left of the plan and then the
+/// braking lead to rest, and no limit is exceeded on the way.
+#[test]
+fn a_plan_into_a_safe_set_is_followed_by_braking_within_all_limits() {
+    let mut planner = planner_of(Settings {
+        horizon: 5,
+        terminal: Terminal::SafeSet,
+        ..planner_settings()
+    });
+    let problem = *planner.problem();
+    let limit = problem.thermal_limit.expect("limited");
+    let mut longest = 0;
+    for (k, load) in [0.9, 0.99, 0.999].into_iter().cycle().enumerate().take(60) {
+        planner.set_state(&PlannerState::default());
+        planner.solvers = conic(&planner);
+        let part = |root: f64| (k as f64 * root.sqrt()).fract();
+        let mut initial = Initial {
+            angle: 0.1 + 1.3 * part(2.0),
+            thermal_load: load * limit,
+            ..Initial::default()
+        };
+        initial.reference_angle = initial.angle;
+        let goal = 0.1 + 1.3 * part(3.0);
+        for _ in 0..k % 7 {
+            initial = next(planner.plan(&initial, goal), &initial);
+        }
+        let plan = planner.plan(&initial, goal);
+        assert_eq!(plan.status, PlanStatus::Solved);
+        let end = plan.end()[1];
+        initial = next(plan, &initial);
+        planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+        // The optimum without inequalities must not come to help.
+        let hopeless = |initial: &Initial| Initial {
+            thermal_load: 2.0 * limit,
+            ..*initial
+        };
+        let mut periods = 0;
+        while initial.reference_velocity.abs() > 1e-9 {
+            let plan = planner.plan(&hopeless(&initial), goal);
+            assert_eq!(plan.status, PlanStatus::ShiftedPlan, "{k}, {periods}");
+            let moves = plan.moves.clone();
+            // Again from the load that it has.
+            planner.transcription.set(initial, goal);
+            planner
+                .transcription
+                .roll_out(&moves, &mut planner.plan.trajectory);
+            initial = next(&planner.plan, &initial);
+            assert!(initial.thermal_load <= limit + 1e-6);
+            let angle = initial.reference_angle;
+            assert!(problem.angle_lower - 1e-7 <= angle && angle <= problem.angle_upper + 1e-7);
+            periods += 1;
+        }
+        assert!(end == 0.0 || periods > 4, "{k}: {periods} periods");
+        longest = longest.max(periods);
+    }
+    assert!(longest > 5, "some braking is beyond the horizon: {longest}");
+}
+
+/// Without any plan the reference is braked as the safe set says, from outside of it too.
+#[test]
+fn without_any_plan_the_safe_sets_braking_is_followed() {
+    let mut planner = planner_of(Settings {
+        horizon: 5,
+        terminal: Terminal::SafeSet,
+        ..planner_settings()
+    });
+    planner.solvers = vec![Box::new(Unable(SolverStatus::Infeasible))];
+    for (velocity, periods) in [(0.4, 40), (-3.0, 20), (20.0, 1)] {
+        planner.set_state(&PlannerState::default());
+        let mut initial = Initial {
+            angle: 1.3,
+            reference_angle: 1.3,
+            velocity,
+            reference_velocity: velocity,
+            thermal_load: 20.0,
+            ..Initial::default()
+        };
+        for k in 0..periods {
+            let plan = planner.plan(&initial, 0.5);
+            let expected = if k == 0 {
+                PlanStatus::Rest
+            } else {
+                PlanStatus::ShiftedPlan
+            };
+            assert_eq!(plan.status, expected, "{velocity}, {k}");
+            initial = next(plan, &initial);
+        }
+        assert!(initial.reference_velocity.abs() < 1e-9, "{velocity}");
+    }
+}
+
+fn conic(planner: &Planner) -> Vec<Box<dyn Solver + Send>> {
+    let hessian = spline::hessian(&planner.transcription);
+    vec![Box::new(Conic::new(&planner.transcription, hessian))]
+}
+
+/// Settings of plans by Clarabel.
+fn planner_settings() -> Settings {
+    Settings {
+        solver: Method::Clarabel,
+        ..crate::Settings::pendulum().nmpc
     }
 }

@@ -86,6 +86,7 @@ fn along<const S: usize>(
 ) -> Option<[f64; 3]> {
     let horizon = moves.len();
     let task = Task {
+        safe_set: None,
         transcription,
         angle_bounds: &[[-10.0, 10.0]; 39],
         cost_scale: 0.5,
