@@ -20,6 +20,10 @@ pub struct Settings {
     pub taps: usize,
     /// What the filter is applied to.
     pub order: Order,
+    /// Taps of the filter for the angle that the hysteresis follows. None: a sixth of `taps`. Eq 13 adds up every
+    /// step of the angle, those of an encoder's noise too: at 1 µrad, white, they bias C by 2 % and d by 4 % without
+    /// this filter, and this filter costs a thirtieth of what that of the whole length would.
+    pub hysteresis_taps: Option<usize>,
     /// Number of cogging harmonics, 0 to 9. None: by cross-validation.
     pub harmonics: Option<usize>,
     /// Where the cogging frequency is searched \[1/rad\]. None: from a quarter of a period across the range of the
@@ -34,6 +38,7 @@ impl Default for Settings {
         Self {
             taps: TAPS,
             order: Order::default(),
+            hysteresis_taps: None,
             harmonics: None,
             frequency_range: None,
             blocks: 10,
@@ -61,7 +66,16 @@ impl Settings {
     pub fn regression(&self, measurement: &Measurement) -> Result<Regression, Error> {
         let stride = self.stride(measurement.samples());
         let needed = self.blocks.max(2) * 4 * (LINEAR + 1);
-        Regression::new(measurement, &self.filter(), self.order, stride, needed)
+        let taps = self.hysteresis_taps.unwrap_or(2 * (self.taps / 12) + 1);
+        let of_hysteresis = Hann::new(taps);
+        Regression::new(
+            measurement,
+            &self.filter(),
+            &of_hysteresis,
+            self.order,
+            stride,
+            needed,
+        )
     }
 }
 

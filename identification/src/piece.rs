@@ -21,13 +21,23 @@ pub(crate) struct Piece {
     pub(crate) torque: Vec<f64>,
 }
 
+/// The angle without delay, as it is where the filter would reach beyond its ends.
+fn smoothed(angle: &[f64], filter: &Hann) -> Vec<f64> {
+    let delay = filter.delay();
+    let mut smooth = angle.to_vec();
+    let inner = smooth.iter_mut().skip(delay);
+    inner.zip(filter.apply(angle, 1)).for_each(|(s, f)| *s = f);
+    smooth
+}
+
 /// z by eq 13 along the angle, from 0 on, and the sample from which on that start is forgotten.
 fn dahl(angle: &[f64]) -> (Vec<f64>, usize) {
     let mut z = Vec::with_capacity(angle.len());
     let (mut state, mut travelled, mut settled) = (0.0, 0.0, angle.len());
     for (k, here) in angle.iter().enumerate() {
         let step = if k == 0 { 0.0 } else { here - angle[k - 1] };
-        if step != 0.0 {
+        // Rounding in the filter is no motion.
+        if step.abs() > 8.0 * f64::EPSILON * here.abs() {
             state = hysteresis::update(state, step);
         }
         travelled += step.abs();
@@ -44,7 +54,7 @@ impl Piece {
     pub(crate) fn new(
         segment: &Segment,
         measurement: &Measurement,
-        filter: &Hann,
+        [filter, of_hysteresis]: [&Hann; 2],
         order: Order,
         stride: usize,
         wait: bool,
@@ -68,7 +78,7 @@ impl Piece {
         let inner = &angle[1..n - 1];
         let (z, settled) = match order {
             Order::Regressors => {
-                let (z, settled) = dahl(angle);
+                let (z, settled) = dahl(&smoothed(angle, of_hysteresis));
                 (z[1..n - 1].to_vec(), settled.saturating_sub(1))
             }
             Order::Signals => {

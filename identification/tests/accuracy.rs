@@ -63,6 +63,31 @@ fn smoothing_first_and_late_torques_bias() {
     assert!(damping > 0.05, "{damping}");
 }
 
+/// An encoder's noise makes steps that the hysteresis must not follow.
+#[test]
+fn noise_of_the_angle_does_not_build_up_hysteresis() {
+    let p = Parameters::tflex();
+    let mut measurement = measure(&p, 60.0, NOISE, 3);
+    let mut random = Random(9);
+    for angle in &mut measurement.segments[0].angle {
+        *angle += 2e-6 * random.normal();
+    }
+    let settings = |hysteresis_taps| Settings {
+        harmonics: Some(9),
+        hysteresis_taps,
+        ..Settings::default()
+    };
+    let [inertia, stiffness, offset, damping, hysteresis, frequency] =
+        errors(&p, &measurement, &settings(None));
+    assert!(inertia < 1e-3 && stiffness < 0.01 && offset < 0.02 && frequency < 0.002);
+    assert!(
+        damping < 0.03 && hysteresis < 0.01,
+        "{damping} {hysteresis}"
+    );
+    let followed = errors(&p, &measurement, &settings(Some(1)))[4];
+    assert!(followed > 3.0 * hysteresis.max(0.005), "{followed}");
+}
+
 /// Data made by the very formulas of the regression: only rounding is left.
 #[test]
 fn exact_data_give_exact_parameters() {
@@ -91,7 +116,11 @@ fn exact_data_give_exact_parameters() {
         timing: Timing::Sampled,
         ..Measurement::new(PERIOD, angle, torque)
     };
-    let found = identify(&measurement, &Settings::default()).unwrap();
+    let settings = Settings {
+        hysteresis_taps: Some(1),
+        ..Settings::default()
+    };
+    let found = identify(&measurement, &settings).unwrap();
     assert_eq!(found.harmonics, 3);
     for e in &found.estimates {
         let error = (e.value - value(&p, &e.name)).abs();
