@@ -209,7 +209,8 @@ fn damping_heats_a_motor_that_holds_at_its_limit() {
     let mut problem = pendulum();
     problem.terminal = Terminal::SafeSet;
     problem.arm = arm::Parameters {
-        damping: 3.0,
+        inertia: 0.3,
+        damping: 1.0,
         stiffness: 0.0,
         offset: 2.0,
         cogging_cos: [0.0; 9],
