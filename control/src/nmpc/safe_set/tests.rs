@@ -202,3 +202,33 @@ fn for_a_bare_inertia_they_are_the_papers() {
     // And mirrored.
     assert!((set.heat(1.0 - angle, -velocity) - expected).abs() < 1e-5 * expected);
 }
+
+/// Damping that a motor at its limit must work against while the arm coasts to its stop.
+#[test]
+fn damping_heats_a_motor_that_holds_at_its_limit() {
+    let mut problem = pendulum();
+    problem.terminal = Terminal::SafeSet;
+    problem.arm = arm::Parameters {
+        inertia: 0.3,
+        damping: 1.0,
+        stiffness: 0.0,
+        offset: 2.0,
+        cogging_cos: [0.0; 9],
+        ..problem.arm
+    };
+    // A little more than what holding takes.
+    let holding: f64 = 2.0 / problem.motor.torque_constant;
+    problem.thermal_limit = Some(holding * holding * (1.0 + 1e-9));
+    let set = SafeSet::new(&problem, problem.angle_lower, problem.angle_upper);
+    let (angle, velocity) = (0.3, 0.3);
+    assert_eq!(set.kinetic_excess(angle, velocity), 0.0);
+    let load = set.thermal_limit - set.heat(angle, velocity);
+    let stop = stop(&problem, &set, angle, velocity, load);
+    let heated = stop.load - load;
+    assert!(stop.load <= set.thermal_limit + 1e-9);
+    // The damping's share of the heat is no small one.
+    assert!(heated > 0.3 * set.heat(angle, velocity), "{heated}");
+    problem.arm.damping = 0.0;
+    let undamped = SafeSet::new(&problem, problem.angle_lower, problem.angle_upper);
+    assert!(undamped.heat(angle, velocity) < 0.5 * heated);
+}
