@@ -202,7 +202,7 @@ impl<const S: usize> InteriorPoint<S> {
                 *trial = A::mul_add(primal, *step, *u);
             }
             task.transcription
-                .roll_out_with::<A>(&self.trial, &mut self.trial_rollout);
+                .roll_out_with::<A, 3>(&self.trial, &mut self.trial_rollout);
             self.evaluate_trial::<A>();
             self.thermal.advance::<A>(primal - taken);
             self.lower.advance::<A>(primal - taken);
@@ -289,7 +289,7 @@ impl<const S: usize> InteriorPoint<S> {
         }
         if status != SolverStatus::Solved && best < task.rank(rollout) {
             moves.copy_from_slice(&self.best);
-            task.transcription.roll_out_with::<A>(moves, rollout);
+            task.transcription.roll_out_with::<A, 3>(moves, rollout);
         }
         if status != SolverStatus::OutOfTime && task.angle_excess(rollout) > ANGLE_TOLERANCE {
             status = SolverStatus::Infeasible;

@@ -45,7 +45,7 @@ impl<const S: usize> InteriorPoint<S> {
             .set_bounds(bounds.clone().map(|bounds| bounds[0]));
         self.upper.set_bounds(bounds.map(|bounds| bounds[1]));
         transcription.end_at_rest(moves);
-        transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
+        transcription.roll_out_with::<A, 3>(moves, &mut self.trial_rollout);
         self.evaluate_trial::<A>();
         std::mem::swap(rollout, &mut self.trial_rollout);
         self.thermal.price = task.excess_weight;
