@@ -195,14 +195,14 @@ impl Inequalities {
     }
 
     /// Slacks, excesses and multipliers with products `mu` and, with a price, residuals of zero for any c:
-    /// with s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price, near the multipliers there are.
-    pub fn restart(&mut self, mu: f64) {
+    /// with s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price, with slacks of at least `least`.
+    pub fn restart(&mut self, mu: f64, least: f64) {
         let price = self.price;
         let elastic = self.elastic();
         for rows in &mut self.groups {
             for l in (0..LANES).filter(|&l| rows.open[l] > 0.0) {
                 if !elastic {
-                    rows.slack[l] = f64::max(-rows.value[l], mu / rows.multiplier[l]);
+                    rows.slack[l] = f64::max(-rows.value[l], least);
                     rows.multiplier[l] = mu / rows.slack[l];
                     continue;
                 }

@@ -7,7 +7,7 @@
 //! 26 (`inequality`), the thermal ones with an excess at the price of [`Task::merit`]. An iteration
 //!
 //! 1. linearises around the rollout and factorises once (`newton`), with the exact curvature of heat if
-//!    that has a minimum, with its convex part otherwise;
+//!    that has a minimum, with the convex parts of it otherwise;
 //! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
 //!    Mehrotra's correction;
 //! 3. shortens the step until the merit
@@ -17,8 +17,8 @@
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
-//! all. A plan with excess whose step is `STALLED`, or that has not converged after `RESTART` iterations,
-//! goes on with large ones.
+//! all. What a plan with excess makes of a step that is `STALLED` is worse than the step before: it goes on with
+//! large products instead.
 //!
 //! # Excess that cannot be avoided
 //! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
@@ -57,14 +57,14 @@ const DECREASE: f64 = 1e-6;
 const RESIDUAL: f64 = 1e-8;
 /// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
 const PENALTY: f64 = 3e-5;
-/// Iterations after which a plan with excess goes on with products of [`CENTRAL`].
-const RESTART: u32 = 18;
-/// Length of a step after which it does so at once.
-const STALLED: f64 = 0.01;
+/// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
+const STALLED: f64 = 0.02;
 /// Iterations at least between two such restarts.
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
-const CENTRAL: f64 = 100.0;
+const CENTRAL: f64 = 300.0;
+/// Products of a restart in units of those of the one before: equal ones may lead to where they led before.
+const FADING: f64 = 0.1;
 
 /// The interior point solver for `S` states.
 struct InteriorPoint<const S: usize> {
@@ -153,8 +153,8 @@ impl<const S: usize> InteriorPoint<S> {
         self.upper.predict::<A>();
         let families = [&self.thermal, &self.lower, &self.upper];
         let newton = &mut self.newton;
-        if !newton.factorise::<A>(task, moves, rollout, families, true)
-            && !newton.factorise::<A>(task, moves, rollout, families, false)
+        if !newton.factorise::<A>(task, moves, rollout, families, false)
+            && !newton.factorise::<A>(task, moves, rollout, families, true)
         {
             return None;
         }
@@ -254,26 +254,24 @@ impl<const S: usize> InteriorPoint<S> {
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
         let mut iterations = 0;
-        // When a restart is due without a stall, and when one may be at the earliest.
-        let (mut due, mut earliest, mut stalled) = (RESTART, 2, false);
+        // When a restart may be at the earliest, and its products.
+        let (mut earliest, mut central) = (0, CENTRAL);
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
             if !self.pace.allows(task.time_limit) {
                 status = SolverStatus::OutOfTime;
                 break;
             }
-            if (stalled || iterations == due) && self.thermal.exceeded(RESIDUAL) {
-                for family in self.families() {
-                    family.restart(CENTRAL);
-                }
-                self.measures = self.measure::<A>();
-                (due, earliest) = (MAX_ITERATIONS, iterations + AGAIN);
-            }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
             };
             iterations += 1;
-            stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
+            let stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
+            if stalled && self.thermal.exceeded(RESIDUAL) {
+                self.restart::<A>(task.transcription.problem(), central);
+                (earliest, central) = (iterations + AGAIN, FADING * central);
+                continue;
+            }
             if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }
