@@ -136,7 +136,7 @@ impl<const S: usize> InteriorPoint<S> {
         self.thermal.step::<A>(aim, load, &mut rates);
         self.lower.step::<A>(aim, angle, &mut rates);
         self.upper.step::<A>(aim, angle, &mut rates);
-        [length(rates[0]), length(rates[1])]
+        [length(rates[0], aim.mu), length(rates[1], aim.mu)]
     }
 
     /// The predictor's and the corrector's step; none if there is no minimum.

@@ -63,7 +63,7 @@ impl Kernel for Iteration {
         assert_solved(&family, &changes, [&[0.0; COUNT], &[0.0; COUNT]]);
 
         // Whatever the step, what must be positive stays so.
-        let [primal, dual] = [length(rates[0]), length(rates[1])];
+        let [primal, dual] = [length(rates[0], 0.0), length(rates[1], 0.0)];
         let mut after = family.clone();
         after.advance::<A>(primal);
         for rows in &mut after.groups {
@@ -120,6 +120,35 @@ proptest! {
         family.set_bounds((0..COUNT).map(|k| 0.1 * k as f64));
         let instructions = if fused { Instructions::Fused } else { Instructions::Baseline };
         instructions.run(Iteration { family, quantities, changes, mu });
+    }
+
+    /// Rows that matter get their multipliers, all others the room there is.
+    #[test]
+    fn a_start_believes_its_guesses(
+        quantities in prop::collection::vec(-2.0..2.0_f64, COUNT),
+        guesses in prop::collection::vec(prop_oneof![Just(0.0), 1e-12..1e-6, 1e-6..8.0], COUNT),
+        elastic: bool, mu in 1e-6..1e-2_f64,
+    ) {
+        let least = 0.1;
+        let mut family = Inequalities::new(COUNT, if elastic { 10.0 } else { f64::INFINITY }, 1.0);
+        family.evaluate::<arm::Separate>(&quantities);
+        family.start(mu, least, guesses.iter().copied());
+        let of = |of: fn(&Rows) -> &Lanes| numbers(of, &family);
+        let (s, t, lambda) = (of(|r| &r.slack), of(|r| &r.excess), of(|r| &r.multiplier));
+        for i in 0..COUNT {
+            let (c, guess) = (quantities[i], guesses[i]);
+            prop_assert!(s[i] > 0.0 && lambda[i] > 0.0 && lambda[i] * s[i] <= mu * (1.0 + 1e-12));
+            prop_assert!(!elastic || ((10.0 - lambda[i]) * t[i] - mu).abs() < 1e-12);
+            if -c >= least {
+                prop_assert_eq!(s[i], -c);
+            } else {
+                prop_assert!(s[i] <= least);
+            }
+            if guess * least > mu && -c * guess < mu {
+                prop_assert!((lambda[i] - guess).abs() < 1e-12 * guess);
+            }
+            prop_assert!(guess == 0.0 || lambda[i] <= guess.max(1e-9) * (1.0 + 1e-12));
+        }
     }
 
     #[test]
