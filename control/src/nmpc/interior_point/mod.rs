@@ -59,6 +59,10 @@ const RESIDUAL: f64 = 1e-8;
 const PENALTY: f64 = 3e-5;
 /// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
 const STALLED: f64 = 0.02;
+/// The same in a plan that has taken [`MANY`] iterations: it may go round in circles.
+const STALLED_LATE: f64 = 0.3;
+/// Iterations that most plans do without.
+const MANY: u32 = 18;
 /// Iterations at least between two such restarts.
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
@@ -266,7 +270,12 @@ impl<const S: usize> InteriorPoint<S> {
                 break;
             };
             iterations += 1;
-            let stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
+            let least = if iterations < MANY {
+                STALLED
+            } else {
+                STALLED_LATE
+            };
+            let stalled = step.primal.min(step.dual) < least && iterations >= earliest;
             if stalled && self.thermal.exceeded(RESIDUAL) {
                 self.restart::<A>(task.transcription.problem(), central);
                 (earliest, central) = (iterations + AGAIN, FADING * central);
