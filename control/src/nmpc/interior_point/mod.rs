@@ -53,6 +53,8 @@ const UNFINISHED: f64 = 0.3;
 const GAP: f64 = 2e-7;
 /// Decrease that the last step promised, in the same units.
 const DECREASE: f64 = 1e-6;
+/// What more steps gain beyond what the last one promised, where it had only the convex parts of the curvature.
+const SADDLE: f64 = 10.0;
 /// Largest residual at the end \[A², rad\].
 const RESIDUAL: f64 = 1e-8;
 /// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
@@ -83,6 +85,8 @@ struct InteriorPoint<const S: usize> {
     /// Moves of the best plan among the iterates [N].
     best: Vec<f64>,
     pace: Pace,
+    /// Whether the latest step is that of the convex parts of the curvature.
+    convex: bool,
 }
 
 impl<const S: usize> InteriorPoint<S> {
@@ -100,6 +104,7 @@ impl<const S: usize> InteriorPoint<S> {
             trial_rollout: Rollout::new(horizon),
             best: vec![0.0; horizon],
             pace: Pace::default(),
+            convex: false,
         }
     }
 
@@ -157,9 +162,8 @@ impl<const S: usize> InteriorPoint<S> {
         self.upper.predict::<A>();
         let families = [&self.thermal, &self.lower, &self.upper];
         let newton = &mut self.newton;
-        if !newton.factorise::<A>(task, moves, rollout, families, false)
-            && !newton.factorise::<A>(task, moves, rollout, families, true)
-        {
+        self.convex = !newton.factorise::<A>(task, moves, rollout, families, false);
+        if self.convex && !newton.factorise::<A>(task, moves, rollout, families, true) {
             return None;
         }
         let [primal, dual] = self.solve_for::<A>(Aim::ZERO);
@@ -237,8 +241,13 @@ impl<const S: usize> InteriorPoint<S> {
         let penalty = task.excess_weight * missed;
         let gap = total(&self.measures, |measure| measure.gap);
         let residual = RESIDUAL + 1e-2 * missed;
+        let promised = if self.convex {
+            SADDLE * self.newton.decrease
+        } else {
+            self.newton.decrease
+        };
         gap <= GAP * unit + penalty
-            && self.newton.decrease <= DECREASE * unit + penalty
+            && promised <= DECREASE * unit + penalty
             && self
                 .measures
                 .iter()
