@@ -27,4 +27,5 @@ mod vector;
 pub use admissible::{Inadmissible, require};
 pub use arithmetic::{Arithmetic, Instructions, Kernel, Separate};
 pub use parameters::{HARMONICS, Limits, Motor, Parameters};
+pub use position_torque::PositionTorque;
 pub use vector::{LANES, Vector};

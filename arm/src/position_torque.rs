@@ -1,7 +1,7 @@
 //! g(θ) and its derivatives (eq 12), for several angles at once.
 //!
-//! One sine and cosine a piece; the angle-addition theorems give those of the higher harmonics. Sine and
-//! cosine are computed here and not by the platform's library, so that the same arithmetic gives the same
+//! One sine and cosine a piece; those of the higher harmonics follow from Chebyshev's recursion,
+//! cos (i+1)x = 2·cos x·cos ix − cos (i−1)x, and likewise the sines. Sine and cosine are computed here and not by the platform's library, so that the same arithmetic gives the same
 //! bits on every platform, and so that several angles share vector instructions.
 
 use crate::arithmetic::{Arithmetic, Separate};
@@ -82,63 +82,119 @@ fn large_sin_cos(x: [f64; LANES]) -> [[f64; LANES]; 2] {
     [x.map(f64::sin), x.map(f64::cos)]
 }
 
+/// g and its derivatives with respect to θ, the first `D` of them, ready for evaluation.
+#[derive(Clone, Copy, Debug)]
+pub struct PositionTorque<const D: usize> {
+    stiffness: f64,
+    offset: f64,
+    frequency: f64,
+    /// Pairs of harmonics after the first one, the highest that is present among them.
+    pairs: usize,
+    /// What cos iwθ and sin iwθ count for in each derivative, the same in all lanes.
+    waves: [[[[f64; LANES]; 2]; D]; HARMONICS],
+}
+
+impl<const D: usize> PositionTorque<D> {
+    /// Of an arm.
+    pub fn new(arm: &Parameters) -> Self {
+        let mut waves = [[[[0.0; LANES]; 2]; D]; HARMONICS];
+        for (i, of_harmonic) in waves.iter_mut().enumerate() {
+            let frequency = (i + 1) as f64 * arm.cogging_frequency;
+            let [mut cos, mut sin] = [arm.cogging_cos[i], arm.cogging_sin[i]];
+            for wave in of_harmonic {
+                *wave = [[cos; LANES], [sin; LANES]];
+                (cos, sin) = (frequency * sin, -frequency * cos);
+            }
+        }
+        Self {
+            stiffness: arm.stiffness,
+            offset: arm.offset,
+            frequency: arm.cogging_frequency,
+            pairs: arm.harmonics() / 2,
+            waves,
+        }
+    }
+
+    /// The first `E` derivatives, g itself the first, at the angles of `M` vectors. Each step waits for the
+    /// one before; with two vectors there is work to do meanwhile.
+    #[inline(always)]
+    pub fn derivatives<A: Arithmetic, const M: usize, const E: usize>(
+        &self,
+        angle: [A::Vector; M],
+    ) -> [[A::Vector; M]; E] {
+        const { assert!(1 <= E && E <= D) };
+        let splat = A::Vector::splat;
+        let (mut scaled, mut sums) = (angle, [[splat(0.0); M]; E]);
+        for m in 0..M {
+            scaled[m] = splat(self.frequency) * angle[m];
+        }
+        let [sin, cos] = sin_cos::<A, M>(scaled);
+        let (first, others) = self
+            .waves
+            .split_first_chunk::<1>()
+            .unwrap_or((&[[[[0.0; LANES]; 2]; D]], &[]));
+        let (others, _) = others.as_chunks::<2>();
+        for m in 0..M {
+            let mut sum = [splat(0.0); E];
+            sum[0] = splat(self.stiffness).mul_add(angle[m], splat(self.offset));
+            if E > 1 {
+                sum[1] = splat(self.stiffness);
+            }
+            let mut odd = [cos[m], sin[m]];
+            let mut even = [splat(1.0), splat(0.0)];
+            let twice = cos[m] + cos[m];
+            add::<A, D, E>(&first[0], odd, &mut sum);
+            // Even and odd harmonics in turn, each from the two before.
+            for [waves_even, waves_odd] in others.iter().take(self.pairs) {
+                even = [0, 1].map(|of| twice.mul_sub(odd[of], even[of]));
+                add::<A, D, E>(waves_even, even, &mut sum);
+                odd = [0, 1].map(|of| twice.mul_sub(even[of], odd[of]));
+                add::<A, D, E>(waves_odd, odd, &mut sum);
+            }
+            for e in 0..E {
+                sums[e][m] = sum[e];
+            }
+        }
+        sums
+    }
+}
+
+/// Adds what a harmonic of the given cosine and sine counts for.
+#[inline(always)]
+fn add<A: Arithmetic, const D: usize, const E: usize>(
+    waves: &[[[f64; LANES]; 2]; D],
+    [cos, sin]: [A::Vector; 2],
+    sums: &mut [A::Vector; E],
+) {
+    for (sum, [by_cos, by_sin]) in sums.iter_mut().zip(waves) {
+        *sum = A::Vector::new(by_cos).mul_add(cos, *sum);
+        *sum = A::Vector::new(by_sin).mul_add(sin, *sum);
+    }
+}
+
 impl Parameters {
     /// g(θ): torque that holds the arm at `angle`, hysteresis excluded \[N·m\] (eq 12).
     pub fn position_torque(&self, angle: f64) -> f64 {
-        self.position_torque_derivatives(angle)[0]
+        let [value] = self.at(angle);
+        value
     }
 
     /// g, dg/dθ and d²g/dθ² at `angle` \[N·m, N·m/rad, N·m/rad²\].
     pub fn position_torque_derivatives(&self, angle: f64) -> [f64; 3] {
+        self.at(angle)
+    }
+
+    fn at<const D: usize>(&self, angle: f64) -> [f64; D] {
         let angles = [<Separate as Arithmetic>::Vector::splat(angle)];
-        let vectors = self.position_torque_vectors::<Separate, 1>(self.harmonics(), angles);
+        let vectors = PositionTorque::<D>::new(self).derivatives::<Separate, 1, D>(angles);
         vectors.map(|[vector]| vector.lanes()[0])
     }
 
     /// Number of the highest harmonic that is present.
-    pub fn harmonics(&self) -> usize {
+    fn harmonics(&self) -> usize {
         let mut pairs = self.cogging_cos.iter().zip(&self.cogging_sin);
         let highest = pairs.rposition(|(a, b)| *a != 0.0 || *b != 0.0);
         highest.map_or(0, |index| index + 1)
-    }
-
-    /// g, dg/dθ and d²g/dθ² at the angles of `M` vectors, the first `harmonics` taken in. Each step waits
-    /// for the one before; with two vectors there is work to do meanwhile.
-    #[inline(always)]
-    pub fn position_torque_vectors<A: Arithmetic, const M: usize>(
-        &self,
-        harmonics: usize,
-        angle: [A::Vector; M],
-    ) -> [[A::Vector; M]; 3] {
-        let splat = A::Vector::splat;
-        let w = self.cogging_frequency;
-        let mut scaled = angle;
-        let (mut value, mut slope, mut curvature) =
-            (angle, [splat(self.stiffness); M], [splat(0.0); M]);
-        for m in 0..M {
-            scaled[m] = splat(w) * angle[m];
-            value[m] = splat(self.stiffness).mul_add(angle[m], splat(self.offset));
-        }
-        let [sin, cos] = sin_cos::<A, M>(scaled);
-        let (mut sin_i, mut cos_i) = (sin, cos);
-        let mut frequency = w;
-        for i in 0..harmonics.min(HARMONICS) {
-            let (a, b) = (splat(self.cogging_cos[i]), splat(self.cogging_sin[i]));
-            for m in 0..M {
-                if i > 0 {
-                    let (s, c) = (sin_i[m], cos_i[m]);
-                    sin_i[m] = s.mul_add(cos[m], c * sin[m]);
-                    cos_i[m] = s.neg_mul_add(sin[m], c * cos[m]);
-                }
-                let wave = a.mul_add(cos_i[m], b * sin_i[m]);
-                let change = a.neg_mul_add(sin_i[m], b * cos_i[m]);
-                value[m] = value[m] + wave;
-                slope[m] = splat(frequency).mul_add(change, slope[m]);
-                curvature[m] = splat(frequency * frequency).neg_mul_add(wave, curvature[m]);
-            }
-            frequency += w;
-        }
-        [value, slope, curvature]
     }
 }
 
@@ -201,7 +257,7 @@ mod tests {
             p in any_parameters(), angles in prop::array::uniform4(-3.0..3.0_f64),
         ) {
             let angle = <Separate as Arithmetic>::Vector::new(&angles);
-            let vectors = p.position_torque_vectors::<Separate, 2>(p.harmonics(), [angle; 2]);
+            let vectors = PositionTorque::<3>::new(&p).derivatives::<Separate, 2, 3>([angle; 2]);
             for l in 0..4 {
                 let single = p.position_torque_derivatives(angles[l]);
                 prop_assert_eq!(vectors.map(|[vector, _]| vector.lanes()[l]), single);

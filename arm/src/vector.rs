@@ -29,6 +29,9 @@ pub trait Vector:
     /// self·b + c, with the arithmetic's roundings.
     fn mul_add(self, b: Self, c: Self) -> Self;
 
+    /// self·b − c, with the arithmetic's roundings.
+    fn mul_sub(self, b: Self, c: Self) -> Self;
+
     /// c − self·b, with the arithmetic's roundings.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
 
@@ -75,6 +78,7 @@ mod tests {
             a * b,
             a.over(b),
             a.mul_add(b, c),
+            a.mul_sub(b, c),
             a.neg_mul_add(b, c),
             a.larger(b),
             splat,

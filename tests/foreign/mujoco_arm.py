@@ -11,7 +11,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 HINGE = """
 <mujoco>
-  <option timestep="0.00025" gravity="0 0 0" integrator="implicitfast" iterations="20"/>
+  <option timestep="0.00025" gravity="0 0 0" integrator="RK4" iterations="20"/>
   <worldbody>
     <body>
       <joint name="hinge" type="hinge" axis="0 0 1" stiffness="1.3" springref="20" damping="0.03"

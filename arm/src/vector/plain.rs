@@ -70,6 +70,15 @@ impl<const FUSED: bool> Vector for Plain<FUSED> {
     }
 
     #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        if FUSED {
+            Self(std::array::from_fn(|l| self.0[l].mul_add(b.0[l], -c.0[l])))
+        } else {
+            self * b - c
+        }
+    }
+
+    #[inline(always)]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
         if FUSED {
             Self(std::array::from_fn(|l| {

@@ -82,6 +82,12 @@ impl Vector for Wide {
     }
 
     #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        // SAFETY: see `Wide`.
+        Self(unsafe { _mm256_fmsub_pd(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
         // SAFETY: see `Wide`.
         Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
@@ -187,6 +193,11 @@ impl Vector for Pair {
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
         self * b + c
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        self * b - c
     }
 
     #[inline(always)]

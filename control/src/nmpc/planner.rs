@@ -29,7 +29,7 @@ use super::interior_point;
 use super::plan::{Plan, PlanStatus, PlannerState};
 use super::problem::{FeedbackModel, Initial, Model, Problem, Terminal};
 use super::rest::RestPoints;
-use super::rollout::Rollout;
+use super::rollout::{Rollout, are_finite};
 use super::safe_set::SafeSet;
 use super::settings::{Method, Settings};
 use super::solver::{
@@ -187,7 +187,9 @@ impl Planner {
             self.end = clock.now() + self.deadline;
         }
         self.state.age = self.state.age.map(|age| age.saturating_add(1));
-        self.grid.shift(&mut self.state.multipliers);
+        if self.state.multipliers.known {
+            self.grid.shift(&mut self.state.multipliers);
+        }
         (self.plan.iterations, self.plan.convex_problems) = (0, 0);
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
@@ -238,7 +240,7 @@ impl Planner {
         let Plan {
             moves, trajectory, ..
         } = &self.plan;
-        if !trajectory.is_finite() || moves.iter().any(|u| !u.is_finite()) {
+        if !trajectory.is_finite() || !are_finite(moves) {
             return None;
         }
         let problem = self.transcription.problem();

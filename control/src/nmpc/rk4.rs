@@ -35,11 +35,17 @@ pub struct Interval {
     pub thermal: ThermalStep,
     /// Stage values M_1..M_4 and step M_5 of the deviation.
     pub deviation: [Matrix3; STAGES + 1],
+    /// Rows 1 and 2 of M_1..M_4, the stages as lanes \[2 × 3 × 4\].
+    pub stage_deviation: [[Lanes; 3]; 2],
 }
 
 impl Interval {
     /// An interval of `length` \[s\].
     pub fn new(problem: &Problem, length: f64) -> Self {
+        let deviation = match problem.model {
+            Model::Nonlinear => deviation_step(problem, length),
+            Model::Qp => exact_deviation_step(problem, length),
+        };
         Self {
             length,
             thermal_limit: problem.thermal_limit_after(length),
@@ -47,10 +53,10 @@ impl Interval {
             curved: CURVED.map(|part| part * length * length),
             quadrature: QUADRATURE.map(|weight| weight * length),
             thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
-            deviation: match problem.model {
-                Model::Nonlinear => deviation_step(problem, length),
-                Model::Qp => exact_deviation_step(problem, length),
-            },
+            deviation,
+            stage_deviation: std::array::from_fn(|row| {
+                std::array::from_fn(|column| std::array::from_fn(|j| deviation[j][row][column]))
+            }),
         }
     }
 }

@@ -15,7 +15,7 @@ pub struct Stages {
     pub torque: Lanes,
     /// dg/dθ \[N·m/rad\].
     pub slope: Lanes,
-    /// d²g/dθ² \[N·m/rad²\].
+    /// d²g/dθ² \[N·m/rad²\]; not in closed form.
     pub curvature: Lanes,
     /// T \[A²\]; only where the cost weighs it.
     pub thermal_load: Lanes,
@@ -66,8 +66,14 @@ impl Rollout {
             &self.reference_velocity,
             &self.thermal_load,
         ];
-        self.cost.is_finite() && nodes.iter().all(|node| node.iter().all(|x| x.is_finite()))
+        self.cost.is_finite() && nodes.iter().all(|node| are_finite(node))
     }
+}
+
+/// Whether all are finite numbers.
+pub fn are_finite(numbers: &[f64]) -> bool {
+    // Without a branch at each, several are looked at in one instruction.
+    numbers.iter().fold(true, |all, x| all & x.is_finite())
 }
 
 /// First derivatives of the cost along a rollout, e and T eliminated.

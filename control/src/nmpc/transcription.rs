@@ -21,11 +21,11 @@
 //! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
 //! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
 
-use arm::{Arithmetic, Instructions, Kernel, Vector};
+use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector};
 
 use super::linear_quadratic::deadbeat;
 use super::problem::{Initial, Problem};
-use super::rk4::{CURVED, ELAPSED, Interval, Lanes, Matrix3, QUADRATURE, STAGES};
+use super::rk4::{CURVED, ELAPSED, Interval, Lanes, Matrix3, STAGES};
 use super::rollout::{Rollout, Sensitivity, Stages};
 
 /// The problem in numbers, for one start and goal at a time.
@@ -33,8 +33,8 @@ use super::rollout::{Rollout, Sensitivity, Stages};
 pub struct Transcription {
     problem: Problem,
     instructions: Instructions,
-    /// Number of the highest cogging harmonic.
-    harmonics: usize,
+    /// g and its first two derivatives.
+    position_torque: PositionTorque<3>,
     /// One for every shooting interval, or a single one if all are equally long.
     intervals: Vec<Interval>,
     initial: Initial,
@@ -52,7 +52,7 @@ impl Transcription {
         let kinds = if problem.is_even() { 1 } else { horizon };
         Self {
             instructions,
-            harmonics: problem.arm.harmonics(),
+            position_torque: PositionTorque::new(&problem.arm),
             intervals: (0..kinds)
                 .map(|k| Interval::new(&problem, problem.interval_length(k)))
                 .collect(),
@@ -111,18 +111,30 @@ impl Transcription {
     pub fn set(&mut self, initial: Initial, goal: f64) {
         self.initial = initial;
         self.goal = goal;
+        self.instructions.run(Deviate(self));
+    }
+
+    #[inline(always)]
+    fn deviate<A: Arithmetic>(&mut self) {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let initial = &self.initial;
         let mut z = [
             initial.angle - initial.reference_angle,
             initial.velocity - initial.reference_velocity,
             initial.feedback_integral,
         ];
-        let row = |row: &[f64; 3], z: [f64; 3]| row[0] * z[0] + row[1] * z[1] + row[2] * z[2];
         self.node_deviation[0] = z;
-        for k in 0..self.problem.horizon {
-            let steps = &self.intervals[k.min(self.intervals.len() - 1)].deviation;
-            self.deviation[k] = [0, 1].map(|i| std::array::from_fn(|j| row(&steps[j][i], z)));
-            z = steps[STAGES].each_ref().map(|of| row(of, z));
-            self.node_deviation[k + 1] = z;
+        let nodes = self.deviation.iter_mut().zip(&mut self.node_deviation[1..]);
+        for ((stages, node), interval) in nodes.zip(self.intervals.iter().cycle()) {
+            for (stage, [a, b, c]) in stages.iter_mut().zip(&interval.stage_deviation) {
+                let first = vector(a) * splat(z[0]);
+                let both = vector(b).mul_add(splat(z[1]), first);
+                *stage = vector(c).mul_add(splat(z[2]), both).lanes();
+            }
+            z = interval.deviation[STAGES]
+                .each_ref()
+                .map(|row| A::mul_add(row[2], z[2], A::mul_add(row[1], z[1], row[0] * z[0])));
+            *node = z;
         }
     }
 
@@ -177,17 +189,22 @@ impl Transcription {
         });
     }
 
-    /// [`Self::roll_out`] inside another kernel. The stages of an interval are the lanes of vectors.
+    /// [`Self::roll_out`] inside another kernel, with the first `E` of g and its two derivatives. The stages
+    /// of an interval are the lanes of vectors.
     #[inline(always)]
-    pub fn roll_out_with<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
+    pub fn roll_out_with<A: Arithmetic, const E: usize>(
+        &self,
+        moves: &[f64],
+        rollout: &mut Rollout,
+    ) {
         self.follow::<A>(moves, rollout);
         // Two intervals at a time, as their torque is a long chain of operations.
         let (pairs, rest) = rollout.stages.as_chunks_mut();
         for pair in pairs {
-            self.add_position_torque::<A, 2>(pair);
+            self.add_position_torque::<A, 2, E>(pair);
         }
         for stage in rest {
-            self.add_position_torque::<A, 1>(std::array::from_mut(stage));
+            self.add_position_torque::<A, 1, E>(std::array::from_mut(stage));
         }
         self.heat::<A>(rollout);
     }
@@ -244,21 +261,27 @@ impl Transcription {
         rollout.cost = A::mul_add(weights.acceleration, effort, cost.sum());
     }
 
-    /// Completes the torque of `M` intervals (eq 21).
+    /// Completes the torque of `M` intervals (eq 21), with the first `E` of g and its derivatives.
     #[inline(always)]
-    fn add_position_torque<A: Arithmetic, const M: usize>(&self, stages: &mut [Stages; M]) {
+    fn add_position_torque<A: Arithmetic, const M: usize, const E: usize>(
+        &self,
+        stages: &mut [Stages; M],
+    ) {
         let goal = A::Vector::splat(self.goal);
         let mut angle = [goal; M];
         for m in 0..M {
             angle[m] = A::Vector::new(&stages[m].distance) + goal;
         }
-        let arm = &self.problem.arm;
-        let [torque, slope, curvature] = arm.position_torque_vectors::<A, M>(self.harmonics, angle);
+        let torque = self.position_torque.derivatives::<A, M, E>(angle);
         for m in 0..M {
             let stage = &mut stages[m];
-            stage.torque = (torque[m] + A::Vector::new(&stage.torque)).lanes();
-            stage.slope = slope[m].lanes();
-            stage.curvature = curvature[m].lanes();
+            stage.torque = (torque[0][m] + A::Vector::new(&stage.torque)).lanes();
+            if E > 1 {
+                stage.slope = torque[1][m].lanes();
+            }
+            if E > 2 {
+                stage.curvature = torque[2][m].lanes();
+            }
         }
     }
 
@@ -309,48 +332,86 @@ impl Transcription {
         rollout: &Rollout,
         out: &mut Sensitivity,
     ) {
-        let weights = &self.problem.weights;
-        let constant = self.problem.motor.torque_constant;
+        self.instructions.run(Differentiate {
+            transcription: self,
+            weight_thermal,
+            moves,
+            rollout,
+            out,
+        });
+    }
+
+    /// [`Self::differentiate`] inside another kernel.
+    #[inline(always)]
+    pub fn differentiate_with<A: Arithmetic>(
+        &self,
+        weight_thermal: f64,
+        moves: &[f64],
+        rollout: &Rollout,
+        out: &mut Sensitivity,
+    ) {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let Problem {
+            arm,
+            weights,
+            motor,
+            ..
+        } = &self.problem;
+        let per_torque = splat(2.0 / (motor.torque_constant * motor.torque_constant));
+        let (damping, inertia) = (splat(arm.damping), splat(arm.inertia));
         let (mut integral_price, mut load_price) = (0.0, 0.0);
-        for k in (0..self.problem.horizon).rev() {
-            let Interval {
-                thermal, length, ..
-            } = self.interval(k);
-            let (h, stage) = (*length, &rollout.stages[k]);
-            let quadrature = QUADRATURE.map(|weight| 2.0 * weight * h);
+        let prices = out.gradient.iter_mut().zip(&mut out.heat_price);
+        let intervals = rollout.stages.iter().zip(moves).zip(prices).enumerate();
+        for (k, ((stage, &u), (gradient, heat_price))) in intervals.rev() {
+            let interval = self.interval(k);
+            let thermal = &interval.thermal;
+            let (elapsed, curved) = (vector(&interval.elapsed), vector(&interval.curved));
+            let quadrature = vector(&interval.quadrature);
+            let share = quadrature + quadrature;
 
             // Thermal load: price of T_j in the cost, then of q_i and of T at the start.
-            let direct: Lanes =
-                std::array::from_fn(|j| quadrature[j] * weight_thermal * stage.thermal_load[j]);
-            let prices = [direct[0], direct[1], direct[2], direct[3], load_price];
-            let heat_price: Lanes =
-                std::array::from_fn(|i| (0..=STAGES).map(|j| prices[j] * thermal.heat[j][i]).sum());
-            load_price = (0..=STAGES).map(|j| prices[j] * thermal.load[j]).sum();
+            let mut price = splat(load_price) * vector(thermal.weights());
+            load_price *= thermal.decay();
+            if weight_thermal > 0.0 {
+                let direct = share * splat(weight_thermal) * vector(&stage.thermal_load);
+                let [first, second, third] = &thermal.warming;
+                let [first, second, third, load] = A::Vector::sums([
+                    direct * vector(first),
+                    direct * vector(second),
+                    direct * vector(third),
+                    direct * vector(thermal.stage_load()),
+                ])
+                .lanes();
+                price = price + vector(&[first, second, third, 0.0]);
+                load_price += load;
+            }
+            *heat_price = price.lanes();
 
             // Integral: e_j sees the distance of the stage before, e⁺ all of them.
-            let integral: Lanes =
-                std::array::from_fn(|j| quadrature[j] * weights.integral * stage.integral[j]);
-            let mut gradient = [0.0; 3];
-            for j in 0..STAGES {
-                let mut distance = quadrature[j] * weights.angle * stage.distance[j]
-                    + integral_price * QUADRATURE[j] * h;
-                if j + 1 < STAGES {
-                    distance += integral[j + 1] * ELAPSED[j + 1] * h;
-                }
-                let torque = heat_price[j] * 2.0 * stage.torque[j] / (constant * constant);
-                let velocity = quadrature[j] * weights.velocity * stage.velocity[j];
-                let time = ELAPSED[j] * h;
-                let of_torque = self.torque_gradient(stage, h, j);
-                gradient[0] += distance + torque * of_torque[0];
-                gradient[1] += distance * time + velocity + torque * of_torque[1];
-                gradient[2] += distance * CURVED[j] * h * h
-                    + velocity * time
-                    + quadrature[j] * weights.acceleration * moves[k]
-                    + torque * of_torque[2];
+            let mut by_distance = share * splat(weights.angle) * vector(&stage.distance);
+            let mut by_integral = splat(0.0);
+            if weights.integral > 0.0 {
+                by_integral = share * splat(weights.integral) * vector(&stage.integral);
+                let [_, second, third, last] = (by_integral * elapsed).lanes();
+                by_distance = splat(integral_price).mul_add(quadrature, by_distance)
+                    + vector(&[second, third, last, 0.0]);
             }
-            integral_price += integral.iter().sum::<f64>();
-            out.gradient[k] = gradient;
-            out.heat_price[k] = heat_price;
+            let by_speed = share * splat(weights.velocity) * vector(&stage.velocity);
+            let torque = price * per_torque * vector(&stage.torque);
+            let slope = vector(&stage.slope);
+            let by_angle = torque.mul_add(slope, by_distance);
+            let drag = torque.mul_add(damping, by_speed);
+            let effort = share * splat(weights.acceleration * u);
+            let by_move = by_angle.mul_add(curved, drag.mul_add(elapsed, effort));
+            let sums = A::Vector::sums([
+                by_angle,
+                by_angle.mul_add(elapsed, drag),
+                torque.mul_add(inertia, by_move),
+                by_integral,
+            ]);
+            let [angle, velocity, move_, integral] = sums.lanes();
+            *gradient = [angle, velocity, move_];
+            integral_price += integral;
         }
     }
 
@@ -379,6 +440,41 @@ fn spectral_radius(matrix: &Matrix3) -> f64 {
     }
 }
 
+struct Deviate<'a>(&'a mut Transcription);
+
+impl Kernel for Deviate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        self.0.deviate::<A>();
+    }
+}
+
+struct Differentiate<'a> {
+    transcription: &'a Transcription,
+    weight_thermal: f64,
+    moves: &'a [f64],
+    rollout: &'a Rollout,
+    out: &'a mut Sensitivity,
+}
+
+impl Kernel for Differentiate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        let Self {
+            transcription,
+            weight_thermal,
+            moves,
+            rollout,
+            out,
+        } = self;
+        transcription.differentiate_with::<A>(weight_thermal, moves, rollout, out);
+    }
+}
+
 struct RollOut<'a> {
     transcription: &'a Transcription,
     moves: &'a [f64],
@@ -391,7 +487,7 @@ impl Kernel for RollOut<'_> {
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
         self.transcription
-            .roll_out_with::<A>(self.moves, self.rollout);
+            .roll_out_with::<A, 3>(self.moves, self.rollout);
     }
 }
 

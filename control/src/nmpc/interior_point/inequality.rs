@@ -25,10 +25,14 @@ pub use self::measure::Measure;
 pub use self::rows::Aim;
 use self::rows::{Lanes, Rows};
 
-/// Part of the way to the boundary that a step may go.
-const TO_BOUNDARY: f64 = 0.995;
+/// Part of the way to the boundary that a step leaves, in units of the products that it aims at.
+const LEFT: f64 = 30.0;
+/// The least of that part and the most.
+const LEFT_WITHIN: [f64; 2] = [1e-4, 5e-3];
 /// Largest multiplier at the start, in units of the price; at the price itself the excess has no bound.
 const BELOW_PRICE: f64 = 0.9;
+/// Least multiplier at the start, where guesses are known.
+const FLATTEST_START: f64 = 1e-9;
 /// Largest multiplier at the start where there is no price.
 const STEEPEST_START: f64 = 1e12;
 
@@ -40,10 +44,13 @@ pub fn largest<V: Vector>(of: V) -> f64 {
     larger(larger(a, b), larger(c, d))
 }
 
-/// Largest step, at most 1, that keep positive what approaches its boundary at `rates` in a whole step.
+/// Largest step, at most 1, towards products of `mu` that keeps positive what approaches its boundary at `rates`
+/// in a whole step; the nearer to the boundary the smaller the products.
 #[inline(always)]
-pub fn length<V: Vector>(rates: V) -> f64 {
-    (TO_BOUNDARY / largest(rates)).min(1.0)
+pub fn length<V: Vector>(rates: V, mu: f64) -> f64 {
+    let [least, most] = LEFT_WITHIN;
+    let left = (LEFT * mu).clamp(least, most);
+    ((1.0 - left) / largest(rates)).min(1.0)
 }
 
 /// A family of inequalities `sign`·(quantity − bound) ≤ 0, one a node.
@@ -149,8 +156,8 @@ impl Inequalities {
         }
     }
 
-    /// Slacks, excesses and multipliers with products `mu`, near the guesses of the multipliers and with
-    /// slacks of at least `least` where there are none.
+    /// Slacks, excesses and multipliers with products `mu` near the guesses of the multipliers, or below where
+    /// slacks of at least `least` leave less of them; without guesses with such slacks.
     pub fn start(&mut self, mu: f64, least: f64, guesses: impl Iterator<Item = f64>) {
         let elastic = self.elastic();
         let highest = if elastic {
@@ -174,10 +181,20 @@ impl Inequalities {
                     continue;
                 }
                 let guess = guess.min(highest);
-                let floor = if guess > 0.0 { mu / guess } else { least };
                 rows.open[l] = 1.0;
+                // A row that matters gets the slack of its multiplier, any other what room there is.
+                let floor = if guess > 0.0 {
+                    (mu / guess).min(least)
+                } else {
+                    least
+                };
                 rows.slack[l] = f64::max(-rows.value[l], floor);
-                rows.multiplier[l] = (mu / rows.slack[l]).min(highest);
+                let central = (mu / rows.slack[l]).min(highest);
+                rows.multiplier[l] = if guess > 0.0 {
+                    central.min(guess.max(FLATTEST_START))
+                } else {
+                    central
+                };
                 if elastic {
                     rows.excess[l] = mu / (self.price - rows.multiplier[l]);
                 }
@@ -195,14 +212,14 @@ impl Inequalities {
     }
 
     /// Slacks, excesses and multipliers with products `mu` and, with a price, residuals of zero for any c:
-    /// with s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price, near the multipliers there are.
-    pub fn restart(&mut self, mu: f64) {
+    /// with s = t − c, μ/s + μ/t = ρ is quadratic in t. Without a price, with slacks of at least `least`.
+    pub fn restart(&mut self, mu: f64, least: f64) {
         let price = self.price;
         let elastic = self.elastic();
         for rows in &mut self.groups {
             for l in (0..LANES).filter(|&l| rows.open[l] > 0.0) {
                 if !elastic {
-                    rows.slack[l] = f64::max(-rows.value[l], mu / rows.multiplier[l]);
+                    rows.slack[l] = f64::max(-rows.value[l], least);
                     rows.multiplier[l] = mu / rows.slack[l];
                     continue;
                 }

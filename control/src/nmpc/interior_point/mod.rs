@@ -7,7 +7,7 @@
 //! 26 (`inequality`), the thermal ones with an excess at the price of [`Task::merit`]. An iteration
 //!
 //! 1. linearises around the rollout and factorises once (`newton`), with the exact curvature of heat if
-//!    that has a minimum, with its convex part otherwise;
+//!    that has a minimum, with the convex parts of it otherwise;
 //! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
 //!    Mehrotra's correction;
 //! 3. shortens the step until the merit
@@ -17,8 +17,8 @@
 //! It ends when products, residuals and the decrease that the step promised are within tolerance.
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
-//! all. A plan with excess whose step is `STALLED`, or that has not converged after `RESTART` iterations,
-//! goes on with large ones.
+//! all. What a plan with excess makes of a step that is `STALLED` is worse than the step before: it goes on with
+//! large products instead.
 //!
 //! # Excess that cannot be avoided
 //! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
@@ -53,18 +53,24 @@ const UNFINISHED: f64 = 0.3;
 const GAP: f64 = 2e-7;
 /// Decrease that the last step promised, in the same units.
 const DECREASE: f64 = 1e-6;
+/// What more steps gain beyond what the last one promised, where it had only the convex parts of the curvature.
+const SADDLE: f64 = 10.0;
 /// Largest residual at the end \[A², rad\].
 const RESIDUAL: f64 = 1e-8;
 /// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
 const PENALTY: f64 = 3e-5;
-/// Iterations after which a plan with excess goes on with products of [`CENTRAL`].
-const RESTART: u32 = 18;
-/// Length of a step after which it does so at once.
-const STALLED: f64 = 0.01;
+/// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
+const STALLED: f64 = 0.02;
+/// The same in a plan that has taken [`MANY`] iterations: it may go round in circles.
+const STALLED_LATE: f64 = 0.3;
+/// Iterations that most plans do without.
+const MANY: u32 = 18;
 /// Iterations at least between two such restarts.
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
-const CENTRAL: f64 = 100.0;
+const CENTRAL: f64 = 300.0;
+/// Products of a restart in units of those of the one before: equal ones may lead to where they led before.
+const FADING: f64 = 0.1;
 
 /// The interior point solver for `S` states.
 struct InteriorPoint<const S: usize> {
@@ -79,6 +85,8 @@ struct InteriorPoint<const S: usize> {
     /// Moves of the best plan among the iterates [N].
     best: Vec<f64>,
     pace: Pace,
+    /// Whether the latest step is that of the convex parts of the curvature.
+    convex: bool,
 }
 
 impl<const S: usize> InteriorPoint<S> {
@@ -96,6 +104,7 @@ impl<const S: usize> InteriorPoint<S> {
             trial_rollout: Rollout::new(horizon),
             best: vec![0.0; horizon],
             pace: Pace::default(),
+            convex: false,
         }
     }
 
@@ -136,7 +145,7 @@ impl<const S: usize> InteriorPoint<S> {
         self.thermal.step::<A>(aim, load, &mut rates);
         self.lower.step::<A>(aim, angle, &mut rates);
         self.upper.step::<A>(aim, angle, &mut rates);
-        [length(rates[0]), length(rates[1])]
+        [length(rates[0], aim.mu), length(rates[1], aim.mu)]
     }
 
     /// The predictor's and the corrector's step; none if there is no minimum.
@@ -153,9 +162,8 @@ impl<const S: usize> InteriorPoint<S> {
         self.upper.predict::<A>();
         let families = [&self.thermal, &self.lower, &self.upper];
         let newton = &mut self.newton;
-        if !newton.factorise::<A>(task, moves, rollout, families, true)
-            && !newton.factorise::<A>(task, moves, rollout, families, false)
-        {
+        self.convex = !newton.factorise::<A>(task, moves, rollout, families, false);
+        if self.convex && !newton.factorise::<A>(task, moves, rollout, families, true) {
             return None;
         }
         let [primal, dual] = self.solve_for::<A>(Aim::ZERO);
@@ -202,7 +210,7 @@ impl<const S: usize> InteriorPoint<S> {
                 *trial = A::mul_add(primal, *step, *u);
             }
             task.transcription
-                .roll_out_with::<A>(&self.trial, &mut self.trial_rollout);
+                .roll_out_with::<A, 3>(&self.trial, &mut self.trial_rollout);
             self.evaluate_trial::<A>();
             self.thermal.advance::<A>(primal - taken);
             self.lower.advance::<A>(primal - taken);
@@ -233,8 +241,13 @@ impl<const S: usize> InteriorPoint<S> {
         let penalty = task.excess_weight * missed;
         let gap = total(&self.measures, |measure| measure.gap);
         let residual = RESIDUAL + 1e-2 * missed;
+        let promised = if self.convex {
+            SADDLE * self.newton.decrease
+        } else {
+            self.newton.decrease
+        };
         gap <= GAP * unit + penalty
-            && self.newton.decrease <= DECREASE * unit + penalty
+            && promised <= DECREASE * unit + penalty
             && self
                 .measures
                 .iter()
@@ -254,26 +267,29 @@ impl<const S: usize> InteriorPoint<S> {
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
         let mut iterations = 0;
-        // When a restart is due without a stall, and when one may be at the earliest.
-        let (mut due, mut earliest, mut stalled) = (RESTART, 2, false);
+        // When a restart may be at the earliest, and its products.
+        let (mut earliest, mut central) = (0, CENTRAL);
         let mut status = SolverStatus::IterationLimit;
         while iterations < MAX_ITERATIONS {
             if !self.pace.allows(task.time_limit) {
                 status = SolverStatus::OutOfTime;
                 break;
             }
-            if (stalled || iterations == due) && self.thermal.exceeded(RESIDUAL) {
-                for family in self.families() {
-                    family.restart(CENTRAL);
-                }
-                self.measures = self.measure::<A>();
-                (due, earliest) = (MAX_ITERATIONS, iterations + AGAIN);
-            }
             let Some(step) = self.step::<A>(task, moves, rollout) else {
                 break;
             };
             iterations += 1;
-            stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
+            let least = if iterations < MANY {
+                STALLED
+            } else {
+                STALLED_LATE
+            };
+            let stalled = step.primal.min(step.dual) < least && iterations >= earliest;
+            if stalled && self.thermal.exceeded(RESIDUAL) {
+                self.restart::<A>(task.transcription.problem(), central);
+                (earliest, central) = (iterations + AGAIN, FADING * central);
+                continue;
+            }
             if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }
@@ -289,7 +305,7 @@ impl<const S: usize> InteriorPoint<S> {
         }
         if status != SolverStatus::Solved && best < task.rank(rollout) {
             moves.copy_from_slice(&self.best);
-            task.transcription.roll_out_with::<A>(moves, rollout);
+            task.transcription.roll_out_with::<A, 3>(moves, rollout);
         }
         if status != SolverStatus::OutOfTime && task.angle_excess(rollout) > ANGLE_TOLERANCE {
             status = SolverStatus::Infeasible;

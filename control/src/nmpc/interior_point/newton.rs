@@ -7,7 +7,8 @@
 //! π_j·∇²q_j = 2·π_j/Ki²·(∇τ_j·∇τ_jᵀ + τ_j·g''(θ_j)·∇θ_j·∇θ_jᵀ)
 //! ```
 //!
-//! whose first part is convex. The second is left out where the whole would have no minimum.
+//! whose first part is convex, and the whole is if and only if τ_j·g'' ≥ 0. Where the sum over all stages would
+//! have no minimum, the second part is left out of those where it is negative.
 
 use arm::{Arithmetic, LANES};
 
@@ -86,8 +87,8 @@ impl<const S: usize> Newton<S> {
         }
     }
 
-    /// Linearises around `rollout` of `moves` and factorises, with the curvature of g or without; false if
-    /// there is no minimum.
+    /// Linearises around `rollout` of `moves` and factorises, with all of the curvature of heat or its
+    /// `convex` parts; false if there is no minimum.
     #[inline(always)]
     pub fn factorise<A: Arithmetic>(
         &mut self,
@@ -95,10 +96,10 @@ impl<const S: usize> Newton<S> {
         moves: &[f64],
         rollout: &Rollout,
         families: [&Inequalities; 3],
-        with_curvature: bool,
+        convex: bool,
     ) -> bool {
         let horizon = moves.len();
-        let assembly = Assembly::new(task, with_curvature);
+        let assembly = Assembly::new(task, convex);
         let mut price = [[0.0; S]; S];
         let [angle_weight, load_weight] = weights(families, horizon);
         price[0][0] = angle_weight;

@@ -2,6 +2,7 @@
 
 use arm::Arithmetic;
 
+use super::super::problem::Problem;
 use super::super::rollout::Rollout;
 use super::super::solver::{Multipliers, Task};
 use super::super::transcription::Transcription;
@@ -37,7 +38,6 @@ impl<const S: usize> InteriorPoint<S> {
     ) {
         let transcription = task.transcription;
         let problem = transcription.problem();
-        let limit = problem.thermal_limit.unwrap_or(0.0);
         let limits = (0..problem.horizon).map(|k| transcription.interval(k).thermal_limit);
         self.thermal.set_bounds(limits);
         let bounds = task.angle_bounds.iter();
@@ -45,23 +45,37 @@ impl<const S: usize> InteriorPoint<S> {
             .set_bounds(bounds.clone().map(|bounds| bounds[0]));
         self.upper.set_bounds(bounds.map(|bounds| bounds[1]));
         transcription.end_at_rest(moves);
-        transcription.roll_out_with::<A>(moves, &mut self.trial_rollout);
+        transcription.roll_out_with::<A, 3>(moves, &mut self.trial_rollout);
         self.evaluate_trial::<A>();
         std::mem::swap(rollout, &mut self.trial_rollout);
         self.thermal.price = task.excess_weight;
         self.thermal.lost = self.lost(transcription);
-        let range = problem.angle_upper - problem.angle_lower;
-        let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
-        let leasts = [least(limit), least(range), least(range)];
         let known = multipliers.known;
         let mu = if known { WARM } else { COLD };
         let scaled = |guess: &f64| {
             if known { guess / task.cost_scale } else { 0.0 }
         };
         let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
-        for ((family, least), guesses) in self.families().into_iter().zip(leasts).zip(guesses) {
+        let families = self.families().into_iter().zip(leasts(problem));
+        for ((family, least), guesses) in families.zip(guesses) {
             family.start(mu, least, guesses.iter().map(scaled));
         }
         self.measures = self.measure::<A>();
     }
+
+    /// Goes on from the latest iterate with products `mu`.
+    #[inline(always)]
+    pub(super) fn restart<A: Arithmetic>(&mut self, problem: &Problem, mu: f64) {
+        for (family, least) in self.families().into_iter().zip(leasts(problem)) {
+            family.restart(mu, least);
+        }
+        self.measures = self.measure::<A>();
+    }
+}
+
+/// Least slacks of the three families where nothing else tells.
+fn leasts(problem: &Problem) -> [f64; 3] {
+    let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
+    let range = least(problem.angle_upper - problem.angle_lower);
+    [least(problem.thermal_limit.unwrap_or(0.0)), range, range]
 }

@@ -63,7 +63,7 @@ impl Kernel for Iteration {
         assert_solved(&family, &changes, [&[0.0; COUNT], &[0.0; COUNT]]);
 
         // Whatever the step, what must be positive stays so.
-        let [primal, dual] = [length(rates[0]), length(rates[1])];
+        let [primal, dual] = [length(rates[0], 0.0), length(rates[1], 0.0)];
         let mut after = family.clone();
         after.advance::<A>(primal);
         for rows in &mut after.groups {
@@ -122,6 +122,35 @@ proptest! {
         instructions.run(Iteration { family, quantities, changes, mu });
     }
 
+    /// Rows that matter get their multipliers, all others the room there is.
+    #[test]
+    fn a_start_believes_its_guesses(
+        quantities in prop::collection::vec(-2.0..2.0_f64, COUNT),
+        guesses in prop::collection::vec(prop_oneof![Just(0.0), 1e-12..1e-6, 1e-6..8.0], COUNT),
+        elastic: bool, mu in 1e-6..1e-2_f64,
+    ) {
+        let least = 0.1;
+        let mut family = Inequalities::new(COUNT, if elastic { 10.0 } else { f64::INFINITY }, 1.0);
+        family.evaluate::<arm::Separate>(&quantities);
+        family.start(mu, least, guesses.iter().copied());
+        let of = |of: fn(&Rows) -> &Lanes| numbers(of, &family);
+        let (s, t, lambda) = (of(|r| &r.slack), of(|r| &r.excess), of(|r| &r.multiplier));
+        for i in 0..COUNT {
+            let (c, guess) = (quantities[i], guesses[i]);
+            prop_assert!(s[i] > 0.0 && lambda[i] > 0.0 && lambda[i] * s[i] <= mu * (1.0 + 1e-12));
+            prop_assert!(!elastic || ((10.0 - lambda[i]) * t[i] - mu).abs() < 1e-12);
+            if -c >= least {
+                prop_assert_eq!(s[i], -c);
+            } else {
+                prop_assert!(s[i] <= least);
+            }
+            if guess * least > mu && -c * guess < mu {
+                prop_assert!((lambda[i] - guess).abs() < 1e-12 * guess);
+            }
+            prop_assert!(guess == 0.0 || lambda[i] <= guess.max(1e-9) * (1.0 + 1e-12));
+        }
+    }
+
     #[test]
     fn a_restart_is_central(
         quantities in prop::collection::vec(-9.0..9.0_f64, COUNT), elastic: bool, mu in 1e-3..1e2_f64,
@@ -130,7 +159,7 @@ proptest! {
         let mut family = Inequalities::new(COUNT, price, 1.0);
         family.evaluate::<arm::Separate>(&quantities);
         family.start(0.3, 0.1, [0.0; COUNT].into_iter());
-        family.restart(mu);
+        family.restart(mu, 0.1);
         let measure = family.measure::<arm::Separate>();
         prop_assert!((measure.gap - mu * family.products()).abs() < 1e-8 * measure.gap);
         prop_assert!(!elastic || measure.residual < 1e-12);
@@ -139,6 +168,8 @@ proptest! {
         for i in 0..COUNT {
             prop_assert!(s[i] > 0.0 && lambda[i] > 0.0 && lambda[i] < price);
             prop_assert!((lambda[i] * s[i] - mu).abs() < 1e-9 * mu.max(1.0));
+            // Without a price nothing but bounds that are near or broken leaves a residual.
+            prop_assert!(elastic || s[i] == f64::max(-quantities[i], 0.1));
             prop_assert!(!elastic || ((price - lambda[i]) * t[i] - mu).abs() < 1e-9 * mu.max(1.0));
         }
     }

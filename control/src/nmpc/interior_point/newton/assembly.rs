@@ -18,19 +18,20 @@ pub struct Assembly<'a> {
     scale: f64,
     /// 2/Ki².
     per_torque: f64,
-    with_curvature: bool,
+    /// Whether to leave out what bends down.
+    convex: bool,
 }
 
 impl<'a> Assembly<'a> {
-    /// Of `task`, with the curvature of g or without.
-    pub fn new(task: &Task<'a>, with_curvature: bool) -> Self {
+    /// Of `task`, with all of the curvature of heat or its `convex` parts.
+    pub fn new(task: &Task<'a>, convex: bool) -> Self {
         let problem = task.transcription.problem();
         let constant = problem.motor.torque_constant;
         Self {
             problem,
             scale: 1.0 / task.cost_scale,
             per_torque: 2.0 / (constant * constant),
-            with_curvature,
+            convex,
         }
     }
 
@@ -105,16 +106,17 @@ impl<'a> Assembly<'a> {
         ];
         let mut xu = [bent_angle * move_, bent_velocity * move_];
         let mut uu = bend * move_ * move_;
-        if self.with_curvature {
-            let bend = total * slope * vector(&stage.curvature);
-            let (timed, curving) = (bend * elapsed, bend * curved);
-            xx[0] = xx[0] + bend;
-            xx[1] = xx[1] + timed;
-            xx[2] = timed.mul_add(elapsed, xx[2]);
-            xu[0] = xu[0] + curving;
-            xu[1] = curving.mul_add(elapsed, xu[1]);
-            uu = curving.mul_add(curved, uu);
+        let mut bend = total * slope * vector(&stage.curvature);
+        if self.convex {
+            bend = bend.larger(splat(0.0));
         }
+        let (timed, curving) = (bend * elapsed, bend * curved);
+        xx[0] = xx[0] + bend;
+        xx[1] = xx[1] + timed;
+        xx[2] = timed.mul_add(elapsed, xx[2]);
+        xu[0] = xu[0] + curving;
+        xu[1] = curving.mul_add(elapsed, xu[1]);
+        uu = curving.mul_add(curved, uu);
         let mut by_load = [0.0; STAGES];
         if weights.thermal > 0.0 {
             // Curvature of T² in T, whose stages have seen the heat of those before.
