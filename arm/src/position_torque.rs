@@ -191,7 +191,7 @@ impl Parameters {
     }
 
     /// Number of the highest harmonic that is present.
-    fn harmonics(&self) -> usize {
+    pub fn harmonics(&self) -> usize {
         let mut pairs = self.cogging_cos.iter().zip(&self.cogging_sin);
         let highest = pairs.rposition(|(a, b)| *a != 0.0 || *b != 0.0);
         highest.map_or(0, |index| index + 1)

@@ -108,7 +108,7 @@ pub struct Identification {
 /// no reason to leave rows out.
 const GAIN: f64 = 0.5;
 /// Residual at rest by that in motion, with parameters from motion alone, from which on friction holds the arm.
-const STICKING: f64 = 2.0;
+const STICKING: f64 = 1.2;
 /// Condition number from which on motion that noise causes counts among the motion that tells parameters apart:
 /// it is correlated with the noise, so that errors are no longer random. The T-flex has 600 if its arm overshoots
 /// the range of the setpoints by 30 mrad; at 6000 its stiffness is off by 1.5 %.

@@ -94,6 +94,7 @@ proptest! {
             cost_scale: 0.5,
             excess_weight: 1e3,
             time_limit: None,
+            safe_set: None,
         };
         let thermal = Inequalities::priced(40, price);
         let bounds = Inequalities::priced(39, 0.0);
