@@ -97,13 +97,49 @@ def test_an_openmodelica_export_goes_where_it_is_told(flexarm, version, tmp_path
     assert abs(float(last["plant.y"]) + 1.5 - 0.4) < 1e-6
 
 
-def test_an_arm_in_mujoco_moves(flexarm, tmp_path, mujoco_arm):
-    """Names, degrees and a turned sign are mapped by the connections file."""
-    moves = schedule(tmp_path / "moves.csv", [(0, 1.3), (1, 1.1)])
-    arguments = ["simulate", "--controller", fmu("fmi3", "FlexArmController"), "--plant", mujoco_arm]
-    arguments += ["--connections", FOREIGN / "mujoco_arm.toml", "--setpoints", moves, "--until", 2]
-    done = flexarm_with_python(flexarm, *arguments, "-o", tmp_path / "out")
+def errors_at_rest(results: Path, times: list[float]) -> list[float]:
+    """Largest distance from the setpoint in the last 0.2 s before each time."""
+    errors = dict.fromkeys(times, 0.0)
+    for row in csv.DictReader(results.open()):
+        error = abs(math.radians(-float(row["plant.phi"])) - float(row["setpoint"]))
+        for end in times:
+            if end - 0.2 <= float(row["time"]) < end:
+                errors[end] = max(errors[end], error)
+    return list(errors.values())
+
+
+def test_an_arm_in_mujoco_is_identified_and_controlled(flexarm, tmp_path, mujoco_arm):
+    """The same two commands as for our own plant; the arm's parameters are nobody's but MuJoCo's."""
+    pair = ["--controller", fmu("fmi3", "FlexArmController"), "--plant", mujoco_arm]
+    pair += ["--connections", FOREIGN / "mujoco_arm.toml"]
+    found = tmp_path / "identified"
+    arguments = ["identify", *pair, "--lower", 0.9, "--upper", 1.6, "--duration", 20]
+    done = flexarm_with_python(flexarm, *arguments, "-o", found)
     assert done.returncode == 0, done.stderr
-    *_, last = csv.DictReader((tmp_path / "out" / "results.csv").open())
-    # The controller takes it for a T-flex: the feedback alone keeps it near.
-    assert math.radians(-float(last["plant.phi"])) == pytest.approx(1.1, abs=0.15)
+    print(done.stdout)
+    values = {
+        p["name"]: p["value"] for p in json.loads((found / "identification.json").read_text())["parameters"]
+    }
+    # Of the capsule about its end, and of the joint in mujoco_arm.py.
+    assert values["arm.inertia"] == pytest.approx(0.10505, rel=0.02)
+    assert values["arm.stiffness"] == pytest.approx(1.3, rel=0.05)
+    assert 0.01 < values["arm.hysteresis"] < 0.06
+
+    moves = [(0, 1.3), (1, 1.05), (5, 1.45), (9, 1.2), (13, 1.5), (17, 1.0)]
+    file = schedule(tmp_path / "moves.csv", moves)
+    limits = {"limits.angle_lower": 0.9, "limits.angle_upper": 1.6}
+    errors = {}
+    for law, more in {"lqr": {}, "lqri": {"feedback.weight_integral": 10}}.items():
+        out = tmp_path / law
+        arguments = ["simulate", *pair, "--setpoints", file, "--until", 21, "-o", out]
+        arguments += ["--parameters", f"controller={found / 'identified.ssv'}"]
+        for name, value in {"feedback.law": law, **more, **limits}.items():
+            arguments += ["--set", f"{name}={value}"]
+        done = flexarm_with_python(flexarm, *arguments)
+        assert done.returncode == 0, done.stderr
+        summary = json.loads((out / "summary.json").read_text())
+        assert summary["score"]["violations"] == 0
+        errors[law] = errors_at_rest(out / "results.csv", [5, 9, 13, 17, 21])
+        print(law, [f"{error:.1e}" for error in errors[law]])
+    assert max(errors["lqr"]) <= 2e-3
+    assert all(integral < plain for integral, plain in zip(errors["lqri"], errors["lqr"], strict=True))

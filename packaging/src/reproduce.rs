@@ -3,10 +3,12 @@
 use crate::archive::write_whole;
 use crate::workspace::{Workspace, announce};
 use crate::{cargo, package, shooting};
+use std::path::Path;
 
 /// The experiments in the order of the paper.
-const EXPERIMENTS: [&str; 9] = [
+const EXPERIMENTS: [&str; 10] = [
     "moving-mass",
+    "identification",
     "angle-torque",
     "feedback-response",
     "tracking-tflex",
@@ -30,6 +32,7 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
     let host = cargo::host(workspace)?;
     let figure = workspace.path(PAPER).join(SHOOTING);
     write_whole(&figure, shooting::figure()?.as_bytes())?;
+    identify(workspace, &host)?;
     announce("Rerunning the paper's experiments from the packaged FMUs (FMI 3.0)");
     let mut command = workspace.command(&host);
     command.args(["run", "-o", PAPER, "--title", TITLE]);
@@ -44,4 +47,26 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
         )),
         _ => Err(format!("`flexarm run` failed: {status}")),
     }
+}
+
+/// Sec 3.1: the T-flex with its drive noise, setpoints from −20° to 12° about 1.30 rad.
+fn identify(workspace: &Workspace, host: &Path) -> Result<(), String> {
+    announce("Identifying the packaged plant");
+    let [controller, plant] =
+        ["FlexArmController", "FlexArmPlant"].map(|unit| format!("dist/fmi3/{unit}.fmu"));
+    workspace.run(workspace.command(host).args([
+        "identify",
+        "--controller",
+        &controller,
+        "--plant",
+        &plant,
+        "--set",
+        "plant:noise.current=3e-4",
+        "--lower",
+        "0.951",
+        "--upper",
+        "1.509",
+        "-o",
+        &format!("{PAPER}/identification"),
+    ]))
 }
