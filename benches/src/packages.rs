@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use host::Simulation;
 use host::fmu::{Experiment, Fmu, Instance, Scalar, Signals, Value};
+use host::input::setpoints::Setpoints;
 
 use crate::Failure;
 use crate::statistics::{Durations, text, time};
@@ -113,7 +114,9 @@ fn lives(fmu: &Fmu) -> Result<Durations, Failure> {
 /// 20 s of the T-flex demo, without report.
 fn demo(root: &Path) -> Result<(), Failure> {
     let simulation = Simulation {
-        setpoints: Some(root.join("packaging/assets/tflex-setpoints.csv")),
+        setpoints: Some(Setpoints::File(
+            root.join("packaging/assets/tflex-setpoints.csv"),
+        )),
         until: Some(20.0),
         ..Simulation::new(
             root.join("dist/fmi3/FlexArmController.fmu"),
