@@ -57,6 +57,7 @@ def load(folder):
     link = install / "interfaces" / "acados_template" / "acados_template"
     if not link.exists():
         link.parent.mkdir(parents=True, exist_ok=True)
+        link.unlink(missing_ok=True)  # the folder may have moved since
         link.symlink_to(Path(folder) / "acados" / "acados_template")
     os.environ["ACADOS_SOURCE_DIR"] = str(install)
     os.environ["TERA_PATH"] = str(install / "bin" / "t_renderer")
