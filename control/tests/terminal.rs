@@ -166,6 +166,28 @@ fn safe_sets_violate_no_limit_where_terminal_rest_is_infeasible() {
     }
 }
 
+/// The plan before, which stays where it is, is far from the new one: found from the plan without inequalities.
+#[test]
+fn a_goal_that_moves_after_a_rest_is_planned_for() {
+    for horizon in HORIZONS {
+        let mut planner = planner(&pendulum(), Terminal::SafeSet, horizon);
+        let at_rest = Initial {
+            angle: 0.1,
+            reference_angle: 0.1,
+            thermal_load: 10.7,
+            ..Initial::default()
+        };
+        for _ in 0..8 {
+            assert_eq!(planner.plan(&at_rest, 0.1).status, PlanStatus::Solved);
+        }
+        for goal in [0.5, 1.0, 1.4] {
+            let plan = planner.plan(&at_rest, goal);
+            assert_eq!(plan.status, PlanStatus::Solved, "N = {horizon}, to {goal}");
+            assert!(plan.trajectory.angle[horizon as usize] > 0.12);
+        }
+    }
+}
+
 /// The whole controller on its arm, with horizons of 0.25 s and hot motors: setpoint after setpoint, and every
 /// limit of the arm kept, which without terminal set it is not.
 #[test]

@@ -19,6 +19,7 @@
 mod angle_bounds;
 mod braking;
 mod fall_back;
+mod guess;
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
@@ -279,8 +280,11 @@ impl Planner {
 
     /// Improves on the plan without inequalities.
     fn run_solvers(&mut self) -> SolverStatus {
-        self.guess_from_shifted();
+        let guessed = self.guess_from_shifted();
         let status = self.run_until_solved();
+        if guessed && self.safe_set.is_some() && status == SolverStatus::IterationLimit {
+            return self.run_from_unconstrained();
+        }
         if status != SolverStatus::Infeasible || self.safe_set.is_some() {
             return status;
         }
@@ -334,26 +338,6 @@ impl Planner {
         plan.iterations += outcome.iterations;
         plan.convex_problems += outcome.convex_problems;
         outcome.status
-    }
-
-    /// Replaces the plan by the previous one, shifted and led to the goal, if that is better.
-    fn guess_from_shifted(&mut self) {
-        if !self.shift_moves() {
-            self.state.multipliers.known = false;
-            return;
-        }
-        let transcription = &self.transcription;
-        if self.safe_set.is_none() {
-            transcription.end_at_rest(&mut self.guess);
-        }
-        transcription.roll_out(&self.guess, &mut self.guess_trajectory);
-        let task = self.task();
-        if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {
-            self.plan.moves.copy_from_slice(&self.guess);
-            std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
-        } else {
-            self.state.multipliers.known = false;
-        }
     }
 
     /// The task at hand.
