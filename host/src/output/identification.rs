@@ -8,7 +8,7 @@ use super::{
 };
 use crate::Error;
 use crate::experiment::Style;
-use crate::identify::{Compared, Identified, Summary, parameter_set};
+use crate::identify::{Compared, Identified, Kind, Summary, parameter_set};
 use crate::input::measurement::Signals;
 use model_description::ssv;
 use std::fmt::Write as _;
@@ -67,6 +67,7 @@ impl OutputFolder {
             let compared = [
                 Some(&identified.measurement),
                 identified.validation.as_ref(),
+                identified.feedback_alone.as_ref(),
             ];
             for (name, compared) in MEASUREMENTS.into_iter().zip(compared) {
                 if let Some(compared) = compared {
@@ -81,18 +82,15 @@ impl OutputFolder {
     /// Returns the path of the former.
     pub fn write_partial(
         mut self,
-        experiment: &str,
+        experiment: Kind,
         signals: &Signals,
         error: &Error,
     ) -> Result<PathBuf, Error> {
-        let name = PARTIAL_MEASUREMENTS
-            .into_iter()
-            .find(|name| name.strip_suffix("-partial.csv") == Some(experiment))
-            .unwrap_or(PARTIAL_MEASUREMENTS[1]);
+        let name = PARTIAL_MEASUREMENTS[experiment as usize];
         let mut files = || {
             let json = serde_json::json!({
                 "partial": true,
-                "experiment": experiment,
+                "experiment": experiment.name(),
                 "file": name,
                 "error": error.to_string(),
                 "recorded_until_s": signals.time.last(),
