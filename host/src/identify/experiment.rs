@@ -102,7 +102,7 @@ const MOVES: f64 = 8.0;
 /// Times the overshoot that another motion showed.
 const OTHER_MOTION: f64 = 1.5;
 /// Times the overshoot that the same feedback at the same pace showed.
-const SAME_MOTION: f64 = 1.05;
+const SAME_MOTION: f64 = 1.0;
 
 /// Runs the experiments and identifies the plant. `progress` is told which fraction of all is done.
 ///

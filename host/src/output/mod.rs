@@ -267,6 +267,14 @@ mod tests {
     }
 
     #[test]
+    fn every_experiment_has_its_file() {
+        for kind in crate::identify::Kind::ALL {
+            let file = PARTIAL_MEASUREMENTS[kind as usize];
+            assert_eq!(file, format!("{}-partial.csv", kind.name()));
+        }
+    }
+
+    #[test]
     fn files_appear_together() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a/b");
