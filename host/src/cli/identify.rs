@@ -7,7 +7,6 @@ use host::identify::{Experiment, Failed, Files, Identified, Summary, from_files,
 use host::input;
 use host::input::measurement::Options;
 use host::input::parameters::{Assignment, ParameterFile};
-use host::input::setpoints::AngleLimits;
 use host::output::OutputFolder;
 use identification::regression::Order as FilterOrder;
 use identification::{Settings, Timing};
@@ -22,9 +21,9 @@ Examples:
   A current instead of a torque, degrees instead of rad, other headers:
     flexarm identify --measurement log.csv --torque-constant 5.57 --angle-unit deg \\
       --column angle=Encoder1 --column current=Iq
-  From experiments on a plant FMU, which our controller makes; setpoints stay between two angles:
-    flexarm identify --plant FlexArmPlant.fmu --controller FlexArmController.fmu --lower 0.95 --upper 1.51 -o out/
-  A vendor's plant with other names, and a rough idea of its inertia for the first feedback:
+  From experiments on a plant FMU, which our controller makes, within the limits that the plant has:
+    flexarm identify --plant FlexArmPlant.fmu --controller FlexArmController.fmu -o out/
+  A vendor's plant with other names, whose angle is to stay between two values, and a rough idea of its inertia for the first feedback:
     flexarm identify --plant Vendor.fmu --controller FlexArmController.fmu --connections vendor.toml \\
       --set feedback.inertia=0.5 --set profile.max_acceleration=20 --lower -0.4 --upper 0.4 -o out/
 
@@ -33,10 +32,13 @@ current [A], and if there are any reference [rad], feedforward_torque and feedba
 for the planner are proposed. The paper takes 100 s at 4 kHz with a new random setpoint every 1.5 s. results.csv of
 flexarm simulate will do. Where samples are missing the measurement is cut.
 
-Experiments on a plant: 30 s on feedback alone in the middle half of the range, then --duration with a setpoint every
---interval for the parameters, then as long with one every --validation-interval to judge them. Parameters and
-assignments are as for flexarm simulate; the controller's model of the arm starts empty unless they say otherwise.
-An experiment that fails leaves what it recorded as EXPERIMENT-partial.csv in the folder of -o.
+Experiments on a plant: 30 s on feedback alone in the middle half of the range, eight moves that show the overshoot,
+then --duration with a setpoint every --interval for the parameters. Then as long with one every --validation-interval,
+once on feedback alone and once with the identified feedforward, to judge them. Parameters and assignments are as for
+flexarm simulate; the controller's model of the arm starts empty unless they say otherwise.
+The angle stays in [--lower, --upper]. Setpoints lie inside by the overshoot that the experiment before showed; where
+the arm leaves the range all the same, the experiment stops there and is repeated further inside, at most five times.
+An experiment that fails leaves what it recorded as EXPERIMENT-partial.csv in the folder of -o; Ctrl-C leaves nothing.
 
 The folder of -o gets identified.ssv (for --parameters), identification.json (all numbers) and report.html.";
 
@@ -68,12 +70,12 @@ pub(super) struct Arguments {
     #[arg(long = "column", value_name = "NAME=HEADER", requires = "measurement", value_parser = column)]
     columns: Vec<(String, String)>,
     /// FMU of a plant to make experiments on.
-    #[arg(long, value_name = "FMU", requires_all = ["controller", "lower", "upper"])]
+    #[arg(long, value_name = "FMU", requires = "controller")]
     plant: Option<PathBuf>,
     /// FMU of our controller, which moves the plant.
     #[arg(long, value_name = "FMU", requires = "plant")]
     controller: Option<PathBuf>,
-    /// Least setpoint of the experiments in rad. Overshoot goes beyond it.
+    /// Angle in rad that no experiment goes below, overshoot included. Default: the plant's limits.angle_lower.
     #[arg(
         long,
         value_name = "RAD",
@@ -81,7 +83,7 @@ pub(super) struct Arguments {
         allow_negative_numbers = true
     )]
     lower: Option<f64>,
-    /// Greatest setpoint of the experiments in rad.
+    /// Angle in rad that no experiment goes above, overshoot included. Default: the plant's limits.angle_upper.
     #[arg(
         long,
         value_name = "RAD",
@@ -98,7 +100,7 @@ pub(super) struct Arguments {
     /// Connections, factors, offsets and roles (TOML), as for flexarm simulate.
     #[arg(long, value_name = "TOML", requires = "plant")]
     connections: Option<PathBuf>,
-    /// Duration of each experiment in seconds.
+    /// Duration in seconds of the experiment for the parameters, and of each of those that judge them.
     #[arg(
         long,
         value_name = "SECONDS",
@@ -116,7 +118,7 @@ pub(super) struct Arguments {
         allow_negative_numbers = true
     )]
     interval: f64,
-    /// How long a setpoint holds in seconds when the parameters are judged.
+    /// How long a setpoint holds in seconds when the parameters are judged, with feedforward and without.
     #[arg(
         long,
         value_name = "SECONDS",
@@ -146,7 +148,7 @@ pub(super) struct Arguments {
     /// Folder for the results.
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Writes the measured signals too, as excitation.csv and validation.csv (about 40 MB each for 100 s).
+    /// Writes the measured signals too, as excitation.csv, validation.csv and feedback-alone.csv (about 40 MB each for 100 s).
     #[arg(long, requires = "output")]
     save_measurements: bool,
 }
@@ -260,22 +262,20 @@ fn experiments(
     plant: &PathBuf,
     settings: &Settings,
 ) -> Result<Identified, Failed> {
-    // The command line demands both with a plant.
-    let range = AngleLimits {
-        lower: arguments.lower.unwrap_or_default(),
-        upper: arguments.upper.unwrap_or_default(),
-    };
+    // The command line demands one with a plant.
     let controller = arguments.controller.clone().unwrap_or_default();
     let experiment = Experiment {
         parameters: arguments.parameters.clone(),
         assignments: arguments.assignments.clone(),
         connections: arguments.connections.clone(),
         step: arguments.step,
+        lower: arguments.lower,
+        upper: arguments.upper,
         duration: arguments.duration,
         interval: arguments.interval,
         validation_interval: arguments.validation_interval,
         seed: arguments.seed,
-        ..Experiment::new(controller, plant, range)
+        ..Experiment::new(controller, plant)
     };
     let mut progress = Progress::new();
     let taps_given = arguments.filter_taps.is_some();
@@ -293,10 +293,11 @@ fn keep(failed: Failed, output: Option<OutputFolder>) -> Error {
     {
         let (experiment, signals) = *partial;
         let until = signals.time.last().copied().unwrap_or(0.0);
-        let _ = match output.write_partial(&experiment, &signals, &failed.error) {
+        let _ = match output.write_partial(experiment, &signals, &failed.error) {
             Ok(path) => writeln!(
                 io::stderr(),
-                "the {experiment} stopped at t = {until} s; what it recorded is in {}",
+                "the {} stopped at t = {until} s; what it recorded is in {}",
+                experiment.name(),
                 path.display()
             ),
             Err(error) => writeln!(io::stderr(), "warning: {error}"),

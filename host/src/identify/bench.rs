@@ -1,7 +1,8 @@
-//! Both FMUs of the experiments: what they are given, and what a run of them shows.
+//! Both FMUs of the experiments: where their angle stays, what they are given, and what a run of them shows.
 
 use super::experiment::{Experiment, Failed, identification_error};
-use super::parameter_set;
+use super::overshoot::{Kept, Overshoot};
+use super::{Kind, Made, parameter_set};
 use crate::Error;
 use crate::fmu::Fmu;
 use crate::input::connections::Wiring;
@@ -22,8 +23,24 @@ use std::path::{Path, PathBuf};
 pub(super) const START: f64 = 5.0;
 /// Weight of the integral in the feedback \[1/s²\] when nothing else holds the arm.
 const INTEGRAL: f64 = 0.25;
-/// Of so many setpoints two are the ends of the range.
-const ENDS: usize = 8;
+/// Of so many setpoints the first three go from end to end: what chance leaves out is not identified.
+const ROUND: usize = 8;
+
+/// Names of the arm's parameters begin so.
+const ARM: &str = "arm.";
+/// Names of the feedback's parameters begin so.
+const FEEDBACK: &str = "feedback.";
+/// No model of the arm: feedforward of nothing. The contract demands some inertia.
+const NO_ARM: arm::Parameters = arm::Parameters {
+    inertia: 1e-9,
+    damping: 0.0,
+    stiffness: 0.0,
+    offset: 0.0,
+    hysteresis: 0.0,
+    cogging_frequency: 0.0,
+    cogging_cos: [0.0; arm::HARMONICS],
+    cogging_sin: [0.0; arm::HARMONICS],
+};
 
 /// What the controller is told about the arm.
 #[derive(Clone, Copy)]
@@ -32,13 +49,26 @@ pub(super) enum Knowledge<'a> {
     Nothing,
     /// Inertia and damping, for the design of the feedback.
     Design(&'a Identification),
+    /// The same, and no feedforward even if the user gives it a model.
+    Feedback(&'a Identification),
     /// All.
     Identified(&'a Identification),
+}
+
+/// Where setpoints lie between their ends.
+#[derive(Clone, Copy)]
+pub(super) enum Places {
+    /// From one end to the other and back.
+    Ends,
+    /// Random ones by a seed, now and then both ends.
+    Random(u64),
 }
 
 /// Both FMUs and a place for what they are given.
 pub(super) struct Bench<'a> {
     experiment: &'a Experiment,
+    /// Where the angle stays.
+    pub(super) range: AngleLimits,
     controller: Fmu,
     plant: Fmu,
     folder: tempfile::TempDir,
@@ -75,26 +105,7 @@ impl<'a> Bench<'a> {
             .into());
         }
         let values = StartValues::read(pair, &experiment.parameters, &experiment.assignments)?;
-        if pair.plant.scalar("limits.angle_lower").is_ok()
-            && let Some(limits) = angle_limits(pair, &values)
-        {
-            for (name, value) in [
-                ("--lower", experiment.range.lower),
-                ("--upper", experiment.range.upper),
-            ] {
-                if !limits.contains(value) {
-                    return Err(input::Error::Setting {
-                        name: name.to_owned(),
-                        value: value.to_string(),
-                        expected: format!(
-                            "an angle in [{}, {}] rad, the limits of the plant",
-                            limits.lower, limits.upper
-                        ),
-                    }
-                    .into());
-                }
-            }
-        }
+        let range = range(experiment, pair, &values)?;
         let folder = tempfile::Builder::new()
             .prefix("flexarm-identify-")
             .tempdir()
@@ -104,33 +115,34 @@ impl<'a> Bench<'a> {
             })?;
         Ok(Self {
             experiment,
+            range,
             controller,
             plant,
             folder,
         })
     }
 
-    /// A file of random setpoints within a share of the range about its middle, where the arm rests first. Now
-    /// and then the arm goes from one end of the range to the other: what chance leaves out is not identified.
+    /// A file of setpoints between `ends`, in whose middle the arm rests first.
     pub(super) fn setpoints(
         &self,
-        seed: u64,
-        share: f64,
+        ends: AngleLimits,
+        places: Places,
         interval: f64,
         duration: f64,
     ) -> Result<PathBuf, Error> {
-        let AngleLimits { lower, upper } = self.experiment.range;
-        let (middle, half) = (0.5 * (lower + upper), 0.5 * share * (upper - lower));
-        let mut random = Random(seed);
-        let mut text = format!("time,setpoint\n0,{middle:?}\n");
+        let AngleLimits { lower, upper } = ends;
+        let mut random = Random(match places {
+            Places::Random(seed) => seed,
+            Places::Ends => 0,
+        });
+        let mut text = format!("time,setpoint\n0,{:?}\n", 0.5 * (lower + upper));
         let count = (duration / interval).ceil() as usize;
         for k in 0..count.max(1) {
-            let place = match k % ENDS {
-                0 => -1.0,
-                1 => 1.0,
-                _ => 2.0 * random.next() - 1.0,
+            let place = match (places, k % ROUND) {
+                (Places::Random(_), 3..) => random.next(),
+                (_, k) => (k % 2) as f64,
             };
-            let setpoint = (middle + half * place).clamp(lower, upper);
+            let setpoint = (lower + place * (upper - lower)).clamp(lower, upper);
             // Formatting to a String cannot fail.
             let _ = writeln!(text, "{:?},{setpoint:?}", START + k as f64 * interval);
         }
@@ -148,14 +160,14 @@ impl<'a> Bench<'a> {
 
     pub(super) fn run(
         &self,
-        name: &str,
+        kind: Kind,
         knowledge: Knowledge<'_>,
         setpoints: &Path,
         until: f64,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Outcome, Failed> {
         let e = self.experiment;
-        let start = self.file("experiment.ssv", &ssv::write(&self.defaults(knowledge)))?;
+        let start = self.file("experiment.ssv", &ssv::write(&self.defaults()))?;
         let mut simulation = Simulation::new(&e.controller, &e.plant);
         simulation.parameters = vec![ParameterFile {
             side: Some(Side::Controller),
@@ -172,46 +184,72 @@ impl<'a> Bench<'a> {
         simulation
             .assignments
             .push(forced("reference.source", "profile"));
-        let (known, prefix) = match knowledge {
-            Knowledge::Nothing => (None, ""),
-            Knowledge::Design(known) => (Some(known), "feedback."),
-            Knowledge::Identified(known) => (Some(known), ""),
-        };
-        if let Some(known) = known {
-            let set = parameter_set(&known.parameters, None, "");
+        let mut force = |arm: &arm::Parameters, prefix: &str| {
+            let set = parameter_set(arm, None, "");
             let values = set.parameters.iter().filter(|p| p.name.starts_with(prefix));
             simulation
                 .assignments
                 .extend(values.map(|p| forced(&p.name, &p.value.to_string())));
+        };
+        match knowledge {
+            Knowledge::Nothing => {}
+            Knowledge::Design(known) => force(&known.parameters, FEEDBACK),
+            Knowledge::Feedback(known) => {
+                force(&known.parameters, FEEDBACK);
+                force(&NO_ARM, ARM);
+            }
+            Knowledge::Identified(known) => force(&known.parameters, ""),
         }
         simulation.setpoints = Some(Setpoints::File(setpoints.to_owned()));
         simulation.connections.clone_from(&e.connections);
         simulation.until = Some(until);
         simulation.step = e.step;
         simulation.order = e.order;
-        let beyond = e.range.upper - e.range.lower;
-        simulation.stop_outside = Some(AngleLimits {
-            lower: e.range.lower - beyond,
-            upper: e.range.upper + beyond,
-        });
+        simulation.stop_outside = Some(self.range);
         simulate_opened(&simulation, &self.controller, &self.plant, progress).map_err(|error| {
             let Error::Stopped { source, partial } = error else {
                 return error.into();
             };
+            let source = self.explained(source);
             let signals = self.signals(&partial.recording, 0.0).ok();
             let partial = signals.filter(|signals| !signals.time.is_empty());
             Failed {
                 error: source,
-                partial: partial.map(|signals| Box::new((name.to_owned(), signals))),
+                partial: partial.map(|signals| Box::new((kind, signals))),
             }
         })
     }
 
-    /// What the controller gets before the user's own values: no model of the arm, and a feedback that does
-    /// without; or the feedback of the paper.
-    fn defaults(&self, knowledge: Knowledge<'_>) -> ParameterSet {
+    /// An arm that starts outside the range has not left it.
+    fn explained(&self, error: Box<Error>) -> Box<Error> {
+        match *error {
+            Error::LeftRange { angle, time, .. } if time == 0.0 => {
+                let AngleLimits { lower, upper } = self.range;
+                let (name, value, side) = if angle < lower {
+                    ("--lower", lower, "most")
+                } else {
+                    ("--upper", upper, "least")
+                };
+                Box::new(Error::Input(input::Error::Setting {
+                    name: name.to_owned(),
+                    value: value.to_string(),
+                    expected: format!("at {side} {angle} rad, where the plant starts"),
+                }))
+            }
+            _ => error,
+        }
+    }
+
+    /// What the controller gets before the user's own values: no model of the arm, and a feedback with integral,
+    /// without which an arm on feedback alone would sag by the torque that holds it divided by the gain: the T-flex
+    /// by 0.1 rad.
+    fn defaults(&self) -> ParameterSet {
+        let nothing = parameter_set(&NO_ARM, None, "");
+        let of_the_arm = nothing.parameters.into_iter();
         let mut set = ParameterSet {
             name: "experiment".to_owned(),
+            units: nothing.units,
+            parameters: of_the_arm.filter(|p| p.name.starts_with(ARM)).collect(),
             ..ParameterSet::default()
         };
         let mut add = |name: &str, value: Value| {
@@ -222,34 +260,13 @@ impl<'a> Bench<'a> {
                 line: 0,
             });
         };
-        let AngleLimits { lower, upper } = self.experiment.range;
+        // The controller keeps its own setpoints off its limits; here they are chosen with that in mind.
+        let AngleLimits { lower, upper } = self.range;
         let beyond = upper - lower;
         add("limits.angle_lower", Value::Real(lower - beyond));
         add("limits.angle_upper", Value::Real(upper + beyond));
-        let alone = !matches!(knowledge, Knowledge::Identified(_));
-        let law = if alone { "lqri" } else { "lqr" };
-        add("feedback.law", Value::Enumeration(law.to_owned()));
-        if alone {
-            add("feedback.weight_integral", Value::Real(INTEGRAL));
-            let nothing = parameter_set(
-                &arm::Parameters {
-                    inertia: 1e-9,
-                    damping: 0.0,
-                    stiffness: 0.0,
-                    offset: 0.0,
-                    hysteresis: 0.0,
-                    cogging_frequency: 0.0,
-                    cogging_cos: [0.0; arm::HARMONICS],
-                    cogging_sin: [0.0; arm::HARMONICS],
-                },
-                None,
-                "",
-            );
-            let of_the_arm = nothing.parameters.into_iter();
-            set.units = nothing.units;
-            set.parameters
-                .extend(of_the_arm.filter(|p| p.name.starts_with("arm.")));
-        }
+        add("feedback.law", Value::Enumeration("lqri".to_owned()));
+        add("feedback.weight_integral", Value::Real(INTEGRAL));
         set
     }
 
@@ -283,6 +300,30 @@ impl<'a> Bench<'a> {
         })
     }
 
+    /// How far the arm overshot once it had come to rest at the first setpoint.
+    pub(super) fn overshoot(&self, kept: &Kept<Outcome>) -> Result<Overshoot, Error> {
+        let signals = self.signals(&kept.result.recording, START)?;
+        Ok(Overshoot::seen(kept.ends, &signals.angle))
+    }
+
+    /// What was made of an experiment.
+    pub(super) fn made(&self, kind: Kind, kept: &Kept<Outcome>) -> Result<Made, Error> {
+        let angles = self.signals(&kept.result.recording, 0.0)?.angle;
+        let outside = angles.iter().filter(|angle| !self.range.contains(**angle));
+        let fold = |start, pick: fn(f64, f64) -> f64| angles.iter().copied().fold(start, pick);
+        Ok(Made {
+            kind,
+            setpoints: [kept.ends.lower, kept.ends.upper],
+            angles: [
+                fold(f64::INFINITY, f64::min),
+                fold(f64::NEG_INFINITY, f64::max),
+            ],
+            outside: outside.count() as u64,
+            violations: kept.result.summary.score.violations.unwrap_or(0),
+            attempts: kept.attempts,
+        })
+    }
+
     pub(super) fn measurement(&self, signals: &Signals) -> Measurement {
         Measurement {
             period: self.experiment.step,
@@ -306,6 +347,48 @@ impl<'a> Bench<'a> {
             .map_err(|source| identification_error(name, source))?;
         Ok((identification, measurement))
     }
+}
+
+/// Where the angle stays: between what the user gives, which lies within the limits of the plant, and else these.
+fn range(
+    experiment: &Experiment,
+    pair: Pair<'_>,
+    values: &StartValues,
+) -> Result<AngleLimits, input::Error> {
+    let setting = |name: &str, value: Option<f64>, expected: String| input::Error::Setting {
+        name: name.to_owned(),
+        value: value.map_or("nothing".to_owned(), |value| value.to_string()),
+        expected,
+    };
+    let limits = match pair.plant.scalar("limits.angle_lower") {
+        Ok(_) => angle_limits(pair, values),
+        Err(_) => None,
+    };
+    let end = |name: &str, given: Option<f64>, limit: Option<f64>| {
+        let Some(value) = given.or(limit) else {
+            let expected = "an angle in rad: the plant has no limits.angle_lower and .angle_upper";
+            return Err(setting(name, None, expected.to_owned()));
+        };
+        if !value.is_finite() {
+            return Err(setting(name, given, "a finite angle in rad".to_owned()));
+        }
+        match limits {
+            Some(limits) if !limits.contains(value) => {
+                let AngleLimits { lower, upper } = limits;
+                let expected =
+                    format!("an angle in [{lower}, {upper}] rad, the limits of the plant");
+                Err(setting(name, Some(value), expected))
+            }
+            _ => Ok(value),
+        }
+    };
+    let lower = end("--lower", experiment.lower, limits.map(|l| l.lower))?;
+    let upper = end("--upper", experiment.upper, limits.map(|l| l.upper))?;
+    if lower >= upper {
+        let expected = format!("an angle in rad above --lower = {lower}");
+        return Err(setting("--upper", Some(upper), expected));
+    }
+    Ok(AngleLimits { lower, upper })
 }
 
 /// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).

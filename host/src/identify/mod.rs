@@ -4,6 +4,7 @@
 
 mod bench;
 pub mod experiment;
+mod overshoot;
 mod parameters;
 mod summary;
 
@@ -29,6 +30,60 @@ pub struct Compared {
     pub series: Series,
 }
 
+/// An experiment on a plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Of an arm that nothing is known of.
+    Approach,
+    /// From end to end.
+    Reach,
+    /// The parameters come from it.
+    Excitation,
+    /// The motion of the validation without feedforward.
+    FeedbackAlone,
+    /// Judges the parameters.
+    Validation,
+}
+
+impl Kind {
+    /// All, in order.
+    pub const ALL: [Self; 5] = [
+        Self::Approach,
+        Self::Reach,
+        Self::Excitation,
+        Self::FeedbackAlone,
+        Self::Validation,
+    ];
+
+    /// What it is called, also as a file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::Reach => "reach",
+            Self::Excitation => "excitation",
+            Self::FeedbackAlone => "feedback-alone",
+            Self::Validation => "validation",
+        }
+    }
+}
+
+/// An experiment that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// Which one.
+    pub kind: Kind,
+    /// Least and greatest setpoint \[rad\].
+    pub setpoints: [f64; 2],
+    /// Least and greatest angle, from the start \[rad\].
+    pub angles: [f64; 2],
+    /// Samples whose angle was outside the range that was asked for.
+    pub outside: u64,
+    /// Samples outside its limits that the plant counted.
+    pub violations: u64,
+    /// How often it was run; all runs but the last one left the range and were stopped there.
+    pub attempts: u32,
+}
+
 /// An identified arm.
 #[derive(Clone, Debug)]
 pub struct Identified {
@@ -42,6 +97,10 @@ pub struct Identified {
     pub measurement: Compared,
     /// Another one.
     pub validation: Option<Compared>,
+    /// The motion of the validation by feedback alone.
+    pub feedback_alone: Option<Compared>,
+    /// The experiments that were made, in order.
+    pub experiments: Vec<Made>,
     /// What to leave to the feedback.
     pub tube: Option<Tube>,
     /// What to know before the result is used.
@@ -109,6 +168,8 @@ pub fn from_files(
         settings,
         measurement: first,
         validation,
+        feedback_alone: None,
+        experiments: Vec::new(),
         tube,
     })
 }
@@ -130,11 +191,8 @@ fn compare(
 
 /// A tube from an experiment that shows reference, feedforward and feedback.
 fn propose(signals: &Signals) -> Option<Tube> {
-    let reference = signals.reference.as_ref()?;
-    let pairs = signals.angle.iter().zip(reference);
-    let error: Vec<f64> = pairs.map(|(angle, reference)| angle - reference).collect();
     tube::propose(
-        &error,
+        &signals.tracking_error()?,
         signals.feedforward.as_ref()?,
         signals.feedback.as_ref()?,
     )

@@ -1,6 +1,6 @@
 //! What an identification comes to: for people tables, for scripts JSON.
 
-use super::{Compared, Identified};
+use super::{Compared, Identified, Made};
 use ::identification::Fit;
 use ::identification::regression::Order;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
@@ -50,11 +50,18 @@ pub struct FitSummary {
     pub torque_deviation_n_m: f64,
     /// `residual_rms_n_m` by `torque_deviation_n_m`.
     pub nrmse: f64,
+    /// Root mean square of angle minus reference \[rad\]; None without a reference.
+    pub tracking_rms_rad: Option<f64>,
 }
 
 impl FitSummary {
     fn new(compared: &Compared, fit: Fit) -> Self {
+        let errors = compared.signals.tracking_error();
+        let tracking = errors
+            .filter(|errors| !errors.is_empty())
+            .map(|errors| (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt());
         Self {
+            tracking_rms_rad: tracking,
             measurement: compared.name.clone(),
             rows: fit.rows,
             residual_rms_n_m: fit.residual,
@@ -76,6 +83,36 @@ pub struct TubeSummary {
     pub largest_error_rad: f64,
     /// Share of the feedback in the torque seen.
     pub feedback_share: f64,
+}
+
+/// An experiment on a plant.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+pub struct ExperimentSummary {
+    /// Name.
+    pub name: String,
+    /// Least and greatest setpoint \[rad\].
+    pub setpoints_rad: [f64; 2],
+    /// Least and greatest angle \[rad\].
+    pub angles_rad: [f64; 2],
+    /// Samples whose angle was outside the range that was asked for.
+    pub outside: u64,
+    /// Samples outside its limits that the plant counted.
+    pub violations: u64,
+    /// How often it was run; all runs but the last one left the range and were stopped there.
+    pub attempts: u32,
+}
+
+impl From<&Made> for ExperimentSummary {
+    fn from(made: &Made) -> Self {
+        Self {
+            name: made.kind.name().to_owned(),
+            setpoints_rad: made.setpoints,
+            angles_rad: made.angles,
+            outside: made.outside,
+            violations: made.violations,
+            attempts: made.attempts,
+        }
+    }
 }
 
 /// How the measurement was filtered.
@@ -111,6 +148,10 @@ pub struct Summary {
     pub fit: FitSummary,
     /// Fit of another measurement.
     pub validation: Option<FitSummary>,
+    /// Fit of the motion of the validation by feedback alone.
+    pub feedback_alone: Option<FitSummary>,
+    /// The experiments that were made, in order.
+    pub experiments: Vec<ExperimentSummary>,
     /// Residual that any smooth torque over the angle would leave \[N·m\]: far below `fit` means that cogging
     /// harmonics do not describe the arm.
     pub residual_of_any_curve_n_m: f64,
@@ -169,6 +210,8 @@ impl Summary {
             },
             fit: fit(&identified.measurement),
             validation: identified.validation.as_ref().map(fit),
+            feedback_alone: identified.feedback_alone.as_ref().map(fit),
+            experiments: identified.experiments.iter().map(Into::into).collect(),
             residual_of_any_curve_n_m: found.residual_of_any_curve,
             tube: identified.tube.map(|tube| TubeSummary {
                 angle_margin_rad: tube.angle_margin,
@@ -205,10 +248,12 @@ impl Summary {
             format!("{:.0}", self.condition),
             "",
         );
-        for fit in [Some(&self.fit), self.validation.as_ref()]
-            .into_iter()
-            .flatten()
-        {
+        let fits = [
+            Some(&self.fit),
+            self.feedback_alone.as_ref(),
+            self.validation.as_ref(),
+        ];
+        for fit in fits.into_iter().flatten() {
             let name = |what: &str| format!("{}: {what}", fit.measurement);
             row(
                 name("NRMSE of the torque"),
@@ -220,6 +265,9 @@ impl Summary {
                 format!("{:.2e}", fit.residual_rms_n_m),
                 "N.m",
             );
+            if let Some(error) = fit.tracking_rms_rad {
+                row(name("RMS tracking error"), format!("{error:.2e}"), "rad");
+            }
         }
         if let Some(tube) = &self.tube {
             row(

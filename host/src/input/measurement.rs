@@ -47,6 +47,14 @@ pub struct Signals {
     pub feedback: Option<Vec<f64>>,
 }
 
+impl Signals {
+    /// Angle minus reference \[rad\]; None without a reference.
+    pub fn tracking_error(&self) -> Option<Vec<f64>> {
+        let pairs = self.angle.iter().zip(self.reference.as_ref()?);
+        Some(pairs.map(|(angle, reference)| angle - reference).collect())
+    }
+}
+
 /// Names in the table above, and those in `results.csv`.
 const COLUMNS: [(&str, &str); 7] = [
     ("time", "time"),

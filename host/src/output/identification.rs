@@ -8,7 +8,7 @@ use super::{
 };
 use crate::Error;
 use crate::experiment::Style;
-use crate::identify::{Compared, Identified, Summary, parameter_set};
+use crate::identify::{Compared, Identified, Kind, Summary, parameter_set};
 use crate::input::measurement::Signals;
 use model_description::ssv;
 use std::fmt::Write as _;
@@ -26,6 +26,7 @@ const RESIDUAL: &str = "#7c3aed";
 const ANGLE: &str = "#0f766e";
 const REFERENCE: &str = "#9ca3af";
 const ERROR: &str = "#dc2626";
+const ERROR_ALONE: &str = "#fca5a5";
 const FEEDFORWARD: &str = "#16a34a";
 const FEEDBACK: &str = "#db2777";
 const CURVE_COLOR: &str = "#0891b2";
@@ -67,6 +68,7 @@ impl OutputFolder {
             let compared = [
                 Some(&identified.measurement),
                 identified.validation.as_ref(),
+                identified.feedback_alone.as_ref(),
             ];
             for (name, compared) in MEASUREMENTS.into_iter().zip(compared) {
                 if let Some(compared) = compared {
@@ -81,18 +83,15 @@ impl OutputFolder {
     /// Returns the path of the former.
     pub fn write_partial(
         mut self,
-        experiment: &str,
+        experiment: Kind,
         signals: &Signals,
         error: &Error,
     ) -> Result<PathBuf, Error> {
-        let name = PARTIAL_MEASUREMENTS
-            .into_iter()
-            .find(|name| name.strip_suffix("-partial.csv") == Some(experiment))
-            .unwrap_or(PARTIAL_MEASUREMENTS[1]);
+        let name = PARTIAL_MEASUREMENTS[experiment as usize];
         let mut files = || {
             let json = serde_json::json!({
                 "partial": true,
-                "experiment": experiment,
+                "experiment": experiment.name(),
                 "file": name,
                 "error": error.to_string(),
                 "recorded_until_s": signals.time.last(),
@@ -204,20 +203,19 @@ fn html(identified: &Identified, summary: &Summary) -> String {
         page.push('\n');
     };
     section("Torque over the angle", "curve", vec![curve], "angle [rad]");
+    let feedback_alone = identified.feedback_alone.as_ref();
     let named = [
-        Some(&identified.measurement),
-        identified.validation.as_ref(),
+        ("Measurement", Some(&identified.measurement)),
+        ("Feedback alone", feedback_alone),
+        ("Validation", identified.validation.as_ref()),
     ];
-    for (index, compared) in named.into_iter().flatten().enumerate() {
-        let heading = if index == 0 {
-            "Measurement"
-        } else {
-            "Validation"
-        };
+    for (index, (heading, compared)) in named.into_iter().enumerate() {
+        let Some(compared) = compared else { continue };
+        let without = feedback_alone.filter(|_| heading == "Validation");
         section(
             &format!("{heading}: {}", compared.name),
             &format!("plots{index}"),
-            panels(compared),
+            panels(compared, without),
             TIME,
         );
     }
@@ -251,8 +249,9 @@ fn curve(identified: &Identified) -> Panel {
     )
 }
 
-/// Figures 4, 5 and 6 of the paper, as far as the signals go.
-fn panels(compared: &Compared) -> Vec<Panel> {
+/// Figures 4, 5 and 6 of the paper, as far as the signals go. The tracking error is shown beside that of
+/// `without` feedforward.
+fn panels(compared: &Compared, without: Option<&Compared>) -> Vec<Panel> {
     let (series, signals) = (&compared.series, &compared.signals);
     let fitted = |values: &[f64], name: &str, color, style| {
         Trace::new(name, color, style, &series.time, values)
@@ -281,13 +280,22 @@ fn panels(compared: &Compared) -> Vec<Panel> {
         angle.push(raw(reference, "reference", REFERENCE, dashed));
     }
     panels.push(panel("angle [rad]", angle));
-    if let Some(reference) = &signals.reference {
-        let pairs = signals.angle.iter().zip(reference);
-        let error: Vec<f64> = pairs.map(|(a, r)| 1e3 * (a - r)).collect();
-        panels.push(panel(
-            "angle - reference [mrad]",
-            vec![raw(&error, "tracking error", ERROR, line)],
-        ));
+    let milli = |compared: &Compared| {
+        let error = compared.signals.tracking_error()?;
+        Some(error.iter().map(|e| 1e3 * e).collect::<Vec<_>>())
+    };
+    let mut errors = Vec::new();
+    if let Some(without) = without
+        && let Some(error) = milli(without)
+    {
+        let (name, time) = ("tracking error, feedback alone", &without.signals.time);
+        errors.push(Trace::new(name, ERROR_ALONE, line, time, &error));
+    }
+    if let Some(error) = milli(compared) {
+        errors.push(raw(&error, "tracking error", ERROR, line));
+    }
+    if !errors.is_empty() {
+        panels.push(panel("angle - reference [mrad]", errors));
     }
     let split: Vec<Trace> = [
         (&signals.feedforward, "feedforward", FEEDFORWARD),

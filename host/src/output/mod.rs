@@ -71,22 +71,27 @@ const LOG: &str = "log.txt";
 /// What an identification writes beside its report.
 const PARAMETERS: &str = "identified.ssv";
 const IDENTIFICATION: &str = "identification.json";
-const MEASUREMENTS: [&str; 2] = ["excitation.csv", "validation.csv"];
-const PARTIAL_MEASUREMENTS: [&str; 3] = [
+const MEASUREMENTS: [&str; 3] = ["excitation.csv", "validation.csv", "feedback-alone.csv"];
+const PARTIAL_MEASUREMENTS: [&str; 5] = [
     "approach-partial.csv",
+    "reach-partial.csv",
     "excitation-partial.csv",
+    "feedback-alone-partial.csv",
     "validation-partial.csv",
 ];
 /// What not every run or identification writes: a file of an earlier one would pass for this one's.
 const OF_A_RUN: [&str; 4] = [LOG, PARTIAL[0], PARTIAL[1], PARTIAL[2]];
-const OF_AN_IDENTIFICATION: [&str; 7] = [
+const OF_AN_IDENTIFICATION: [&str; 10] = [
     PARAMETERS,
     WHOLE[2],
     MEASUREMENTS[0],
     MEASUREMENTS[1],
+    MEASUREMENTS[2],
     PARTIAL_MEASUREMENTS[0],
     PARTIAL_MEASUREMENTS[1],
     PARTIAL_MEASUREMENTS[2],
+    PARTIAL_MEASUREMENTS[3],
+    PARTIAL_MEASUREMENTS[4],
 ];
 
 impl OutputFolder {
@@ -259,6 +264,14 @@ mod tests {
             .collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn every_experiment_has_its_file() {
+        for kind in crate::identify::Kind::ALL {
+            let file = PARTIAL_MEASUREMENTS[kind as usize];
+            assert_eq!(file, format!("{}-partial.csv", kind.name()));
+        }
     }
 
     #[test]
