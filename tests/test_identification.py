@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import DIST, ROOT, fmu
+from conftest import ROOT, fmu
 from fmus import parameters
 
 NOISE = ["--set", "noise.current=3e-4"]
@@ -302,4 +302,3 @@ def test_measurements_that_are_saved_identify_the_same(flexarm, tmp_path):
     for a, b in zip(first["parameters"], second["parameters"], strict=True):
         assert a["value"] == pytest.approx(b["value"], rel=1e-6, abs=1e-9)
     assert (tmp_path / "b" / "identified.ssv").is_file()
-    assert DIST.is_dir()

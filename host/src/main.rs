@@ -19,9 +19,12 @@ fn leave(code: u8) -> ! {
     use std::io::Write;
     unsafe extern "C" {
         safe fn _exit(code: std::ffi::c_int) -> !;
+        fn fflush(stream: *mut std::ffi::c_void) -> std::ffi::c_int;
     }
     // Standard error is not buffered; nothing can be done if standard output is closed.
     let _ = std::io::stdout().flush();
+    // SAFETY: without a stream it flushes all of the C library, into which FMUs may have printed.
+    unsafe { fflush(std::ptr::null_mut()) };
     _exit(code.into())
 }
 

@@ -100,12 +100,12 @@ fn every_run_is_made_with_every_variant_and_shown() {
     for part in [
         "Gains &amp; faults",
         "<p>First.</p>\n<p>Second.</p>",
-        "figures/e-1.svg",
-        "1 expected figures, all met",
+        "figures/e/1.svg",
+        "1 expected figures, all met.",
     ] {
         assert!(page.contains(part), "{part}");
     }
-    let svg = fs::read_to_string(out.join("figures/e-1.svg")).unwrap();
+    let svg = fs::read_to_string(out.join("figures/e/1.svg")).unwrap();
     assert!(svg.contains("difference") && svg.contains("y [rad]"));
 }
 

@@ -221,7 +221,9 @@ impl Planner {
         );
         if let (Some(set), Some([lower, upper])) = (&mut self.safe_set, self.angle_bounds.last()) {
             // A start from beyond the bounds may still be on its way back at the end.
-            (set.lower, set.upper) = (set.lower.min(*lower), set.upper.max(*upper));
+            let problem = self.transcription.problem();
+            set.lower -= (problem.angle_lower - lower).max(0.0);
+            set.upper += (upper - problem.angle_upper).max(0.0);
         }
         let status = if settled && self.task().admits(&self.plan.trajectory) {
             self.state.multipliers.known = false;

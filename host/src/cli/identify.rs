@@ -80,6 +80,7 @@ pub(super) struct Arguments {
         long,
         value_name = "RAD",
         requires = "plant",
+        conflicts_with = "measurement",
         allow_negative_numbers = true
     )]
     lower: Option<f64>,
@@ -88,6 +89,7 @@ pub(super) struct Arguments {
         long,
         value_name = "RAD",
         requires = "plant",
+        conflicts_with = "measurement",
         allow_negative_numbers = true
     )]
     upper: Option<f64>,

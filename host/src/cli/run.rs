@@ -11,7 +11,7 @@ use host::run::summary::number;
 use host::{Error, Outcome};
 use indicatif::ProgressBar;
 use std::io::{self, Write};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -43,7 +43,8 @@ An experiment names two FMUs, what its runs have in common and how they differ, 
 experiments/README.md describes every key.
 
 The folder of -o gets index.html, figures/*.svg, and for each experiment a folder with experiment.json and a folder for each
-run (results.csv, summary.json). A run that ends before its time leaves *-partial.* there; the others go on.";
+run (results.csv, summary.json). A run that fails before its time leaves *-partial.* there; the others go on. Ctrl-C leaves the
+samples of the runs that are over. experiments/identification.toml needs what `cargo xtask reproduce` identifies.";
 
 /// Makes the runs of experiments that files describe and compares them with what is expected.
 #[derive(Args, Debug)]
@@ -83,12 +84,21 @@ impl Watch for Watcher<'_> {
     }
 
     fn finished(&self, experiment: &Experiment, run: &Run, outcome: &Result<Outcome, Error>) {
-        if let Err(error) = outcome {
-            let message = format!("{}, {}: {error}", experiment.name, run.name);
-            self.bar.suspend(|| {
+        let name = format!("{}, {}", experiment.name, run.name);
+        let messages = match outcome {
+            Ok(outcome) => outcome
+                .summary
+                .warnings
+                .iter()
+                .map(|warning| format!("warning: {name}: {warning}"))
+                .collect(),
+            Err(error) => vec![format!("{name}: {error}")],
+        };
+        self.bar.suspend(|| {
+            for message in messages {
                 let _ = writeln!(io::stderr(), "{message}");
-            });
-        }
+            }
+        });
         let written = self
             .folder
             .map_or(Ok(()), |f| f.write_run(experiment, run, outcome));
@@ -136,8 +146,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Error> {
         let page = folder.write(&arguments.title, &all)?;
         let _ = writeln!(io::stderr(), "page: {}", page.display());
     }
-    Ok(if outcomes.iter().flatten().any(Result::is_err) {
-        1
+    let mut failures = outcomes.iter().flatten().filter_map(|o| o.as_ref().err());
+    Ok(if let Some(first) = failures.next() {
+        let input = first.is_input() && failures.all(Error::is_input);
+        if input { 2 } else { 1 }
     } else if rows.iter().flatten().any(|row| row.met == Some(false)) {
         3
     } else {
@@ -167,15 +179,31 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
     let mut text = format!("{}\n", experiment.title);
     for rows in rows.chunk_by(|a, b| a.table == b.table) {
         let heading = rows.first().map_or("", |row| &row.table);
-        let mut table = table([
+        let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
+        let shown = [
+            true,
+            true,
+            any(&|row| row.paper.is_some()),
+            any(&|row| row.reference.is_some()),
+            true,
+            any(&|row| row.ratio.is_some()),
+            any(&|row| row.met.is_some()),
+        ];
+        let visible = |cells: [String; 7]| {
+            let cells = cells.into_iter().zip(shown);
+            cells.filter_map(|(cell, shown)| shown.then_some(cell))
+        };
+        let header = [
             heading,
             "quantity",
             "paper",
-            "independent",
+            "reference",
             "ours",
             "ours / paper",
             "expected",
-        ]);
+        ];
+        let numbers = 2..2 + shown[2..6].iter().filter(|shown| **shown).count();
+        let mut table = table(visible(header.map(str::to_owned)), numbers);
         for row in rows {
             let value = |value: Option<f64>| value.map_or("-".to_owned(), number);
             let mark = match row.met {
@@ -183,7 +211,7 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
                 Some(false) => "MISSED: ",
                 None => "",
             };
-            table.add_row([
+            table.add_row(visible([
                 row.name.clone(),
                 row.quantity_with_unit(),
                 value(row.paper),
@@ -191,12 +219,13 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
                 value(row.ours),
                 value(row.ratio),
                 format!("{mark}{}", row.admissible),
-            ]);
+            ]));
         }
         text.push_str(&format!("{}\n", table.trim_fmt()));
     }
     if rows.is_empty() {
-        let mut table = table(["run", "squared error [rad2]", "violations"]);
+        let header = ["run", "squared error [rad2]", "violations"];
+        let mut table = table(header.map(str::to_owned), 1..3);
         for (run, outcome) in experiment.runs.iter().zip(outcomes) {
             let score = outcome.as_ref().ok().map(|outcome| &outcome.summary.score);
             let error = score.and_then(|score| score.squared_error_rad2);
@@ -213,11 +242,12 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
     text
 }
 
-/// An empty table whose numbers are aligned.
-fn table<const N: usize>(header: [&str; N]) -> Table {
+/// An empty table whose columns of numbers are aligned.
+fn table(header: impl IntoIterator<Item = String>, numbers: Range<usize>) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY).set_header(header);
-    let numbers = if N == 3 { 1..3 } else { 2..6 };
+    table
+        .load_style(UTF8_BORDERS_ONLY)
+        .set_header(header.into_iter().collect::<Vec<_>>());
     for index in numbers {
         if let Some(column) = table.column_mut(index) {
             column.set_cell_alignment(CellAlignment::Right);

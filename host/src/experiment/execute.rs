@@ -1,6 +1,6 @@
 //! Makes the runs of experiments, several at a time.
 
-use super::{Experiment, Figure, Run, Signal};
+use super::{Experiment, Figure, Quantity, Run, Signal};
 use crate::fmu::{Fmu, similar};
 use crate::input::{self, Place};
 use crate::run::recording::Column;
@@ -34,15 +34,18 @@ pub fn execute(
     watch: &dyn Watch,
 ) -> Result<Vec<Outcomes>, Error> {
     let fmus = Fmus::open(experiments)?;
+    let jobs = if fmus.any_is_single() { 1 } else { jobs };
     let mut prepared = Vec::new();
     let mut mistakes = Vec::new();
     for experiment in experiments {
         let first = prepared.len();
-        for run in &experiment.runs {
-            let (controller, plant) = fmus.of(run)?;
-            match Prepared::new(&run.simulation, controller, plant) {
+        for named in &experiment.runs {
+            let (controller, plant) = fmus.of(named)?;
+            match Prepared::new(&named.simulation, controller, plant) {
                 Ok(run) => prepared.push(run),
-                Err(Error::Input(mistake)) => mistakes.push(mistake),
+                Err(Error::Input(mistake)) => {
+                    mistakes.push(mistake.of_run(&named.place, &named.name))
+                }
                 Err(error) => return Err(error),
             }
         }
@@ -91,6 +94,15 @@ impl Fmus {
         Ok(Self(fmus))
     }
 
+    /// Whether one of them allows one instance in a process only.
+    fn any_is_single(&self) -> bool {
+        self.0.values().any(|fmu| {
+            let description = fmu.description();
+            let co_simulation = description.co_simulation.as_ref();
+            co_simulation.is_some_and(|c| c.can_be_instantiated_only_once_per_process)
+        })
+    }
+
     fn of(&self, run: &Run) -> Result<(&Fmu, &Fmu), Error> {
         let fmu = |path: &Path| match self.0.get(path) {
             Some(fmu) => Ok(fmu),
@@ -114,6 +126,7 @@ fn unknown_columns(
         .iter()
         .map(Prepared::columns)
         .collect::<Result<_, _>>()?;
+    let mut unknown_statuses = Vec::new();
     let mut mistakes = Vec::new();
     let mut check = |run: usize, signal: &Signal, place: &Place| {
         for name in signal.columns() {
@@ -129,6 +142,11 @@ fn unknown_columns(
         }
     };
     for expectation in &experiment.expectations {
+        if let Quantity::Plans(status) = &expectation.quantity {
+            for &run in expectation.of.iter().chain(&expectation.over) {
+                unknown_statuses.extend(unknown_status(prepared, run, status, &expectation.place));
+            }
+        }
         if let Some(signal) = expectation.quantity.signal() {
             for &run in expectation.of.iter().chain(&expectation.over) {
                 check(run, signal, &expectation.place);
@@ -141,8 +159,26 @@ fn unknown_columns(
             check(curve.run, &curve.y, place);
         }
     }
+    mistakes.extend(unknown_statuses);
     mistakes.dedup_by_key(|mistake| mistake.to_string());
     Ok(mistakes)
+}
+
+/// A mistake if the planner of a run knows no such status; one without statuses has none to name.
+fn unknown_status(
+    prepared: &[Prepared<'_>],
+    run: usize,
+    status: &str,
+    place: &Place,
+) -> Option<input::Error> {
+    let names = prepared.get(run)?.statuses();
+    (!names.iter().any(|name| name == status)).then(|| input::Error::Syntax {
+        place: place.clone(),
+        message: format!(
+            "plans have no status {status:?}; there are: {}",
+            names.join(", ")
+        ),
+    })
 }
 
 /// A run that is ready, and what it is part of.

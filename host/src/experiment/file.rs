@@ -139,6 +139,9 @@ fn one() -> f64 {
     1.0
 }
 
+/// Names that runs and figures cannot have, since their folders would be in the way.
+const RESERVED: [&str; 1] = ["experiment.json"];
+
 /// A mistake at a key.
 fn mistake(place: Place, message: impl Into<String>) -> Error {
     Error::Syntax {
@@ -157,10 +160,7 @@ impl Experiment {
             message: error.message().to_owned(),
         })?;
         let runs = runs::runs(&file, &lines, path.parent().unwrap_or(Path::new("")))?;
-        unique(
-            runs.iter().map(|run| (&run.folder, &run.place)),
-            "run (names may differ in letters, digits, points, minus and underscores)",
-        )?;
+        unique(runs.iter().map(|run| (&run.folder, &run.place)), "run")?;
         let expectations = file.expect.iter().enumerate();
         let figures = file.figure.iter().enumerate();
         let experiment = Self {
@@ -199,8 +199,18 @@ fn unique<'a>(
 ) -> Result<(), Error> {
     let mut seen = std::collections::BTreeSet::new();
     for (name, place) in names {
-        if name.is_empty() || !seen.insert(name) {
-            let message = format!("{name:?} is the name of another {what}");
+        if name.is_empty() {
+            return Err(mistake(place.clone(), format!("a {what} needs a name")));
+        }
+        if RESERVED.contains(&name.as_str()) {
+            let message = format!("{name:?} is the name of a file that is written too");
+            return Err(mistake(place.clone(), message));
+        }
+        if !seen.insert(name) {
+            let message = format!(
+                "{name:?} is the name of another {what}; names must differ in letters, digits, points, minus and \
+                 underscores"
+            );
             return Err(mistake(place.clone(), message));
         }
     }

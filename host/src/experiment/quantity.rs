@@ -207,9 +207,14 @@ impl Statistic {
             Self::Mean => Some(samples.iter().sum::<f64>() / count),
             Self::Rms => Some((samples.iter().map(|x| x * x).sum::<f64>() / count).sqrt()),
             Self::Median => {
+                samples.sort_unstable_by(f64::total_cmp);
                 let middle = samples.len() / 2;
-                let (.., median, _) = samples.select_nth_unstable_by(middle, f64::total_cmp);
-                Some(*median)
+                let below = if samples.len() % 2 == 0 {
+                    middle - 1
+                } else {
+                    middle
+                };
+                Some(0.5 * (samples[below] + samples[middle]))
             }
         }
     }
@@ -251,5 +256,6 @@ mod tests {
             assert_eq!(statistic.of(samples()), Some(value), "{statistic:?}");
             assert_eq!(statistic.of(Vec::new()), None);
         }
+        assert_eq!(Statistic::Median.of(vec![4.0, 1.0, 2.0, 9.0]), Some(3.0));
     }
 }

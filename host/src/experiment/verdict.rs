@@ -42,10 +42,14 @@ impl Row {
     }
 }
 
-/// The rows of an experiment whose runs came to `outcomes`, in the order of its runs.
+/// The rows of an experiment whose runs came to `outcomes`, in the order of its runs; those of one table follow
+/// each other.
 pub fn rows(experiment: &Experiment, outcomes: &[Result<Outcome, Error>]) -> Vec<Row> {
-    let expectations = experiment.expectations.iter();
-    expectations.map(|e| row(e, outcomes)).collect()
+    let expectations = &experiment.expectations;
+    let mut rows: Vec<Row> = expectations.iter().map(|e| row(e, outcomes)).collect();
+    let first = |table: &str| expectations.iter().position(|e| e.table == table);
+    rows.sort_by_key(|row| first(&row.table));
+    rows
 }
 
 fn row(expectation: &Expectation, outcomes: &[Result<Outcome, Error>]) -> Row {

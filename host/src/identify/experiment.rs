@@ -272,6 +272,12 @@ fn check(experiment: &Experiment) -> Result<(), input::Error> {
             expected,
         })
     };
+    if let (Some(lower), Some(upper)) = (experiment.lower, experiment.upper)
+        && lower >= upper
+    {
+        let expected = format!("an angle in rad above --lower = {lower}");
+        return setting("--upper", upper, expected);
+    }
     for (name, value, least) in [
         ("--duration", experiment.duration, 10.0),
         ("--interval", experiment.interval, 0.05),

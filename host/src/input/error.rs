@@ -190,6 +190,19 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// The mistake of a run that stands at `place`, where it does not say itself which file it is about.
+    pub(crate) fn of_run(self, place: &Place, run: &str) -> Self {
+        match self {
+            Self::Setting { .. } | Self::Read { .. } | Self::NotText { .. } => Self::Syntax {
+                place: place.clone(),
+                message: format!("run {run:?}: {self}"),
+            },
+            other => other,
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! index.html                         tables and figures of all experiments, offline
-//! figures/EXPERIMENT-FIGURE.svg      every figure
+//! figures/EXPERIMENT/FIGURE.svg      every figure
 //! EXPERIMENT/experiment.json         table and runs, for scripts
 //! EXPERIMENT/RUN/results.csv, summary.json, and log.txt if an FMU logs
 //! ```
@@ -74,12 +74,13 @@ impl ExperimentsFolder {
         run: &Run,
         outcome: &Result<Outcome, Error>,
     ) -> Result<(), Error> {
+        let folder = self.path.join(&experiment.name).join(&run.folder);
         let outcome = match outcome {
             Ok(outcome) => outcome,
             Err(Error::Stopped { partial, .. }) => partial,
-            Err(_) => return Ok(()),
+            // Samples of an earlier run would pass for this one's.
+            Err(_) => return OutputFolder::remove_run(&folder),
         };
-        let folder = self.path.join(&experiment.name).join(&run.folder);
         OutputFolder::prepare(&folder)?.write_samples(outcome)
     }
 
@@ -111,7 +112,7 @@ impl ExperimentsFolder {
 
 /// Where a figure is, from the page.
 pub(super) fn svg_path(experiment: &Experiment, figure: &str) -> String {
-    format!("figures/{}-{figure}.svg", experiment.name)
+    format!("figures/{}/{figure}.svg", experiment.name)
 }
 
 fn json<'a>(finished: &Finished<'a>) -> Json<'a> {

@@ -132,6 +132,20 @@ impl OutputFolder {
         Ok(self.path.join(report))
     }
 
+    /// Removes the files of a run from `folder`; others stay.
+    fn remove_run(folder: &Path) -> Result<(), Error> {
+        for name in WHOLE.into_iter().chain(PARTIAL).chain([LOG]) {
+            let path = folder.join(name);
+            match fs::remove_file(&path) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(Error::Output { path, source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Writes all files but the report, which is large. On an error none of them appears.
     pub fn write_samples(mut self, outcome: &Outcome) -> Result<(), Error> {
         self.write_files(outcome, false)

@@ -45,14 +45,24 @@ pub(super) fn html(title: &str, experiments: &[Finished<'_>]) -> String {
     let rows = || experiments.iter().flat_map(|finished| finished.rows);
     let judged = rows().filter(|row| row.met.is_some()).count();
     let missed = rows().filter(|row| row.met == Some(false)).count();
-    let _ = writeln!(
-        page,
-        "<p>{judged} expected figures, {}.</p>\n<nav><ul>",
-        match missed {
-            0 => "all met".to_owned(),
-            missed => format!("<span class=\"missed\">{missed} missed</span>"),
-        }
-    );
+    let outcomes = experiments.iter().flat_map(|finished| finished.outcomes);
+    let failed = outcomes.filter(|outcome| outcome.is_err()).count();
+    let mut headline = match judged {
+        0 => "No figure is judged".to_owned(),
+        judged => format!("{judged} expected figures"),
+    };
+    if missed > 0 {
+        let _ = write!(headline, ", <span class=\"missed\">{missed} missed</span>");
+    } else if judged > 0 {
+        headline.push_str(", all met");
+    }
+    if failed > 0 {
+        let _ = write!(
+            headline,
+            ", <span class=\"missed\">{failed} runs failed</span>"
+        );
+    }
+    let _ = writeln!(page, "<p>{headline}.</p>\n<nav><ul>");
     for Finished { experiment, .. } in experiments {
         let (id, title) = (escape(&experiment.name), escape(&experiment.title));
         let source = escape(&experiment.source);
@@ -101,6 +111,17 @@ fn section(page: &mut String, finished: &Finished<'_>) {
             );
         }
     }
+    for (run, outcome) in experiment.runs.iter().zip(finished.outcomes) {
+        let warnings = outcome.as_ref().map_or(&[][..], |o| &o.summary.warnings);
+        for warning in warnings {
+            let _ = writeln!(
+                page,
+                "<p class=\"note\">{}: {}</p>",
+                escape(&run.name),
+                escape(warning)
+            );
+        }
+    }
     for table in finished.rows.chunk_by(|a, b| a.table == b.table) {
         rows(page, table);
     }
@@ -126,7 +147,7 @@ fn rows(page: &mut String, rows: &[Row]) {
     let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
     let columns: [Column<'_>; 4] = [
         ("paper", any(&|r| r.paper.is_some()), &|r| r.paper),
-        ("independent", any(&|r| r.reference.is_some()), &|r| {
+        ("reference", any(&|r| r.reference.is_some()), &|r| {
             r.reference
         }),
         ("ours", true, &|r| r.ours),

@@ -213,6 +213,16 @@ impl<'a> Prepared<'a> {
         self.steps as f64 * self.simulation.step
     }
 
+    /// Names of the statuses that plans can have; empty if nothing tells.
+    pub fn statuses(&self) -> Vec<String> {
+        let tap = self.wiring.roles.get(&Role::PlanStatus);
+        let Some(Source::Output(side, scalar)) = tap.map(|tap| tap.source) else {
+            return Vec::new();
+        };
+        let items = &self.pair().of(side).variable(scalar).items;
+        items.iter().map(|item| item.name.clone()).collect()
+    }
+
     /// The columns that its recording will have.
     pub fn columns(&self) -> Result<Vec<Column>, Error> {
         let constant = Table::constant(0.0);

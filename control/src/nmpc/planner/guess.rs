@@ -38,10 +38,11 @@ impl Planner {
         let status = self.run_until_solved();
         let task = self.task();
         let is_better = task.rank(&self.guess_trajectory) < task.rank(&self.plan.trajectory);
-        if status != SolverStatus::Solved && is_better {
-            self.plan.moves.copy_from_slice(&self.guess);
-            std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
+        if status == SolverStatus::Solved || !is_better {
+            return status;
         }
-        status
+        self.plan.moves.copy_from_slice(&self.guess);
+        std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
+        SolverStatus::IterationLimit
     }
 }

@@ -41,6 +41,20 @@ pub(super) fn expectation(
             return Err(mistake(place(key), message));
         }
     }
+    let numbers = [
+        ("paper", entry.paper),
+        ("reference", entry.reference),
+        ("at_least", entry.at_least),
+        ("at_most", entry.at_most),
+    ];
+    for (key, value) in numbers {
+        if value.is_some_and(|value| !value.is_finite()) {
+            return Err(mistake(
+                place(key),
+                format!("{key} must be a finite number"),
+            ));
+        }
+    }
     if !entry.factor.is_finite() || entry.factor == 0.0 {
         return Err(mistake(
             place("factor"),
@@ -54,6 +68,9 @@ pub(super) fn expectation(
     if entry.paper_tolerance.is_some() && entry.paper.is_none() {
         let message = "paper_tolerance needs the figure paper";
         return Err(mistake(place("paper_tolerance"), message));
+    }
+    if entry.of.as_ref().is_some_and(Vec::is_empty) {
+        return Err(mistake(place("of"), "of names no run"));
     }
     let of = entry.of.clone().unwrap_or_else(|| vec![entry.name.clone()]);
     Ok(Expectation {
@@ -88,6 +105,25 @@ pub(super) fn figure(
         let message = "the name of a figure names its file: only letters, digits, '.', '-' and '_'";
         return Err(mistake(place, message));
     }
+    let at = |key: &str| lines.place(&["figure", &index, key]);
+    for (key, value) in [("from", entry.from), ("until", entry.until)] {
+        if value.is_some_and(|value| !value.is_finite()) {
+            return Err(mistake(at(key), format!("{key} must be a finite number")));
+        }
+        let response = entry.kind == FigureKind::FrequencyResponse;
+        if let (Some(value), true) = (value, response)
+            && value <= 0.0
+        {
+            let message = format!("{key} = {value}: a frequency in Hz must be positive");
+            return Err(mistake(at(key), message));
+        }
+    }
+    if let (Some(from), Some(until)) = (entry.from, entry.until)
+        && from >= until
+    {
+        let message = format!("until = {until} must come after from = {from}");
+        return Err(mistake(at("until"), message));
+    }
     // A frequency response has a second panel for the phase.
     let most = match entry.kind {
         FigureKind::Signals => PANELS,
@@ -96,6 +132,9 @@ pub(super) fn figure(
     if !(1..=most).contains(&entry.panel.len()) {
         let message = format!("a figure like this has 1 to {most} panels");
         return Err(mistake(place, message));
+    }
+    if entry.panel.iter().any(|panel| panel.curves.is_empty()) {
+        return Err(mistake(place, "a panel needs at least one curve"));
     }
     let mut panels = Vec::new();
     for (i, panel) in entry.panel.iter().enumerate() {
