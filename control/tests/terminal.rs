@@ -101,7 +101,11 @@ fn runs(arm: &Arm, horizon: i32, class: &Class) -> Runs {
         let (mut plans, mut is_there) = (0, false);
         while !is_there {
             let plan = safe.plan(&initial, goal);
-            let found = matches!(plan.status, PlanStatus::Solved | PlanStatus::IterationLimit);
+            let found = matches!(
+                plan.status,
+                PlanStatus::Solved | PlanStatus::GoalProjected | PlanStatus::IterationLimit
+            );
+            let rest = plan.goal;
             runs.missing += u32::from(!found);
             let simulated = simulated(&problem, &initial, plan.moves[0]);
             initial = following(plan, &initial);
@@ -111,7 +115,7 @@ fn runs(arm: &Arm, horizon: i32, class: &Class) -> Runs {
             worst.angle = worst.angle.max(beyond);
             worst.load = worst.load.max(initial.thermal_load - limit);
             worst.simulated = worst.simulated.max(simulated - limit);
-            is_there = (initial.angle - goal).abs() < 1e-3 && initial.velocity.abs() < 1e-3;
+            is_there = (initial.angle - rest).abs() < 1e-3 && initial.velocity.abs() < 1e-3;
             plans += 1;
             assert!(
                 plans < PLANS,
@@ -164,6 +168,24 @@ fn safe_sets_violate_no_limit_where_terminal_rest_is_infeasible() {
             "{name}: {infeasible:?}"
         );
     }
+}
+
+/// A motor that cannot hold the arm everywhere: it rests, and stops, where the motor can hold it for ever.
+#[test]
+fn a_weak_motor_keeps_to_where_it_can_rest() {
+    let mut weak = pendulum();
+    weak.motor.continuous_current = 1.4;
+    let problem = *planner(&weak, Terminal::SafeSet, 5).problem();
+    let rest = RestPoints::new(&problem).intervals().to_vec();
+    assert!(
+        rest.iter()
+            .all(|[l, u]| u - l < 0.9 * (problem.angle_upper - problem.angle_lower)),
+        "narrower than the limits: {rest:?}"
+    );
+    let runs = runs(&weak, 5, &within("warm", [0.3, 0.95]));
+    println!("{} plans, {:?}", runs.plans, runs.worst);
+    assert!(runs.worst.angle <= 1e-7 && runs.worst.load <= THERMAL_TOLERANCE);
+    assert_eq!(runs.missing, 0);
 }
 
 /// The plan before, which stays where it is, is far from the new one: found from the plan without inequalities.
