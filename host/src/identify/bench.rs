@@ -223,7 +223,9 @@ impl<'a> Bench<'a> {
     /// An arm that starts outside the range has not left it.
     fn explained(&self, error: Box<Error>) -> Box<Error> {
         match *error {
-            Error::LeftRange { angle, time, .. } if time == 0.0 => {
+            Error::LeftRange {
+                angle, time: 0.0, ..
+            } => {
                 let AngleLimits { lower, upper } = self.range;
                 let (name, value, side) = if angle < lower {
                     ("--lower", lower, "most")

@@ -5,7 +5,7 @@
 //! 2. Reach: from end to end and back, to see how far the arm overshoots.
 //! 3. Excitation: setpoints each held for 1.5 s, by feedback alone as in the paper. The parameters come from here.
 //!    Overshoot takes the arm through the whole range, which counts: the T-flex's is shorter than a period of its
-//!    cogging, and a range shorter by a tenth multiplies the condition number by ten.
+//!    cogging, and 4 % less of it doubles the condition number.
 //! 4. Feedback alone: new setpoints every 0.66 s (figs 5b, 6).
 //! 5. Validation: the same setpoints and feedback, with the identified feedforward. Parameters are judged here, and
 //!    the tube comes from its tracking error and feedback.

@@ -191,6 +191,19 @@ fn html(identified: &Identified, summary: &Summary) -> String {
         row(&mut page, &[&name, &format!("{value} ± {sigma}"), &unit]);
     }
     page.push_str("</table>\n");
+    if !summary.experiments.is_empty() {
+        page.push_str("<h2>Experiments</h2>\n<table>\n");
+        for made in &summary.experiments {
+            let ([first, last], [low, high]) = (made.setpoints_rad, made.angles_rad);
+            let value = format!("angle {low:.4} to {high:.4}, setpoints {first:.4} to {last:.4}");
+            row(&mut page, &[&made.name, &value, "rad"]);
+            let name = format!("{}: outside the range", made.name);
+            row(&mut page, &[&name, &made.outside.to_string(), "samples"]);
+            let name = format!("{}: attempts", made.name);
+            row(&mut page, &[&name, &made.attempts.to_string(), ""]);
+        }
+        page.push_str("</table>\n");
+    }
     let curve = curve(identified);
     let mut section = |heading: &str, id: &str, panels: Vec<Panel>, axis: &str| {
         let _ = writeln!(page, "<h2>{}</h2>", escape(heading));
@@ -204,16 +217,26 @@ fn html(identified: &Identified, summary: &Summary) -> String {
     };
     section("Torque over the angle", "curve", vec![curve], "angle [rad]");
     let feedback_alone = identified.feedback_alone.as_ref();
+    let first = if identified.experiments.is_empty() {
+        "Measurement"
+    } else {
+        "Excitation"
+    };
     let named = [
-        ("Measurement", Some(&identified.measurement)),
+        (first, Some(&identified.measurement)),
         ("Feedback alone", feedback_alone),
         ("Validation", identified.validation.as_ref()),
     ];
     for (index, (heading, compared)) in named.into_iter().enumerate() {
         let Some(compared) = compared else { continue };
         let without = feedback_alone.filter(|_| heading == "Validation");
+        // Files have names of their own, experiments those of their kinds.
+        let heading = match identified.experiments.is_empty() {
+            true => format!("{heading}: {}", compared.name),
+            false => heading.to_owned(),
+        };
         section(
-            &format!("{heading}: {}", compared.name),
+            &heading,
             &format!("plots{index}"),
             panels(compared, without),
             TIME,
