@@ -13,7 +13,7 @@
 //! No experiment leaves the range ([`super::overshoot`]). What the user sets of the controller's model of the arm
 //! holds in the first three.
 
-use super::bench::{Bench, Knowledge, Places, START};
+use super::bench::{Bench, Knowledge, Places, START, ordered};
 use super::overshoot::{Kept, Overshoot, keep_range};
 use super::{Identified, Kind, compare, propose};
 use crate::Error;
@@ -272,6 +272,9 @@ fn check(experiment: &Experiment) -> Result<(), input::Error> {
             expected,
         })
     };
+    if let (Some(lower), Some(upper)) = (experiment.lower, experiment.upper) {
+        ordered(lower, upper)?;
+    }
     for (name, value, least) in [
         ("--duration", experiment.duration, 10.0),
         ("--interval", experiment.interval, 0.05),
