@@ -10,7 +10,7 @@
 //! 5. Validation: the same setpoints and feedback, with the identified feedforward. Parameters are judged here, and
 //!    the tube comes from its tracking error and feedback.
 //!
-//! No experiment leaves the range ([`super::overshoot`]). What the user sets of the controller's model of the arm
+//! No experiment leaves the range (see `overshoot`). What the user sets of the controller's model of the arm
 //! holds in the first three.
 
 use super::bench::{Bench, Knowledge, Places, START, ordered};
