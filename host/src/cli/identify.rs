@@ -42,12 +42,28 @@ An experiment that fails leaves what it recorded as EXPERIMENT-partial.csv in th
 
 The folder of -o gets identified.ssv (for --parameters), identification.json (all numbers) and report.html.";
 
+/// Options that mean nothing beside a measurement.
+const OF_EXPERIMENTS: [&str; 12] = [
+    "plant",
+    "controller",
+    "lower",
+    "upper",
+    "parameters",
+    "assignments",
+    "connections",
+    "duration",
+    "interval",
+    "validation_interval",
+    "seed",
+    "step",
+];
+
 /// Finds the parameters of an arm from measurements, or from experiments on a plant.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// Measured angle and torque (CSV).
-    #[arg(long, value_name = "CSV", required_unless_present = "plant", conflicts_with_all = ["plant", "controller"])]
+    #[arg(long, value_name = "CSV", required_unless_present = "plant", conflicts_with_all = OF_EXPERIMENTS)]
     measurement: Option<PathBuf>,
     /// Another measurement to judge the parameters by (CSV).
     #[arg(long, value_name = "CSV", requires = "measurement")]
@@ -80,7 +96,6 @@ pub(super) struct Arguments {
         long,
         value_name = "RAD",
         requires = "plant",
-        conflicts_with = "measurement",
         allow_negative_numbers = true
     )]
     lower: Option<f64>,
@@ -89,7 +104,6 @@ pub(super) struct Arguments {
         long,
         value_name = "RAD",
         requires = "plant",
-        conflicts_with = "measurement",
         allow_negative_numbers = true
     )]
     upper: Option<f64>,

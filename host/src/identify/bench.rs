@@ -386,11 +386,19 @@ fn range(
     };
     let lower = end("--lower", experiment.lower, limits.map(|l| l.lower))?;
     let upper = end("--upper", experiment.upper, limits.map(|l| l.upper))?;
-    if lower >= upper {
-        let expected = format!("an angle in rad above --lower = {lower}");
-        return Err(setting("--upper", Some(upper), expected));
+    ordered(lower, upper)
+}
+
+/// A range from its ends \[rad\].
+pub(super) fn ordered(lower: f64, upper: f64) -> Result<AngleLimits, input::Error> {
+    if lower < upper {
+        return Ok(AngleLimits { lower, upper });
     }
-    Ok(AngleLimits { lower, upper })
+    Err(input::Error::Setting {
+        name: "--upper".to_owned(),
+        value: upper.to_string(),
+        expected: format!("an angle in rad above --lower = {lower}"),
+    })
 }
 
 /// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).

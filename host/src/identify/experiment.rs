@@ -10,10 +10,10 @@
 //! 5. Validation: the same setpoints and feedback, with the identified feedforward. Parameters are judged here, and
 //!    the tube comes from its tracking error and feedback.
 //!
-//! No experiment leaves the range ([`super::overshoot`]). What the user sets of the controller's model of the arm
+//! No experiment leaves the range (see `overshoot`). What the user sets of the controller's model of the arm
 //! holds in the first three.
 
-use super::bench::{Bench, Knowledge, Places, START};
+use super::bench::{Bench, Knowledge, Places, START, ordered};
 use super::overshoot::{Kept, Overshoot, keep_range};
 use super::{Identified, Kind, compare, propose};
 use crate::Error;
@@ -272,11 +272,8 @@ fn check(experiment: &Experiment) -> Result<(), input::Error> {
             expected,
         })
     };
-    if let (Some(lower), Some(upper)) = (experiment.lower, experiment.upper)
-        && lower >= upper
-    {
-        let expected = format!("an angle in rad above --lower = {lower}");
-        return setting("--upper", upper, expected);
+    if let (Some(lower), Some(upper)) = (experiment.lower, experiment.upper) {
+        ordered(lower, upper)?;
     }
     for (name, value, least) in [
         ("--duration", experiment.duration, 10.0),
