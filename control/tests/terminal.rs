@@ -183,7 +183,6 @@ fn a_weak_motor_keeps_to_where_it_can_rest() {
         "narrower than the limits: {rest:?}"
     );
     let runs = runs(&weak, 5, &within("warm", [0.3, 0.95]));
-    println!("{} plans, {:?}", runs.plans, runs.worst);
     assert!(runs.worst.angle <= 1e-7 && runs.worst.load <= THERMAL_TOLERANCE);
     assert_eq!(runs.missing, 0);
 }

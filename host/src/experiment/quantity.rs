@@ -209,7 +209,7 @@ impl Statistic {
             Self::Median => {
                 samples.sort_unstable_by(f64::total_cmp);
                 let middle = samples.len() / 2;
-                let below = if samples.len() % 2 == 0 {
+                let below = if samples.len().is_multiple_of(2) {
                     middle - 1
                 } else {
                     middle
