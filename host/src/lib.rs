@@ -6,7 +6,7 @@
 //! - [`run`] steps the pair and measures it: [`simulate`];
 //! - [`experiment`] makes many runs that a file describes, and compares them with what was expected;
 //! - [`identify`] finds the parameters of an arm from a measurement or from experiments on a plant;
-//! - [`output`] writes the result.
+//! - [`output`] writes the result; [`table`] aligns what goes to the terminal.
 //!
 //! FMUs are known only as files: this crate knows no controller and no export, and the arm only to identify it.
 
@@ -17,6 +17,7 @@ pub mod identify;
 pub mod input;
 pub mod output;
 pub mod run;
+pub mod table;
 
 pub use error::Error;
 pub use run::{Order, Outcome, Prepared, Simulation, simulate, simulate_opened};

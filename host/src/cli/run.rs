@@ -1,17 +1,16 @@
 //! `flexarm run`.
 
 use clap::Args;
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, Table};
 use host::experiment::execute::{Watch, execute};
 use host::experiment::verdict::{self, Row};
 use host::experiment::{Experiment, Run};
 use host::output::experiments::{ExperimentsFolder, Finished};
 use host::run::summary::number;
+use host::table::aligned;
 use host::{Error, Outcome};
 use indicatif::ProgressBar;
 use std::io::{self, Write};
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -178,54 +177,29 @@ fn read(files: &[PathBuf]) -> Result<Vec<Experiment>, Error> {
 fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Row]) -> String {
     let mut text = format!("{}\n", experiment.title);
     for rows in rows.chunk_by(|a, b| a.table == b.table) {
-        let heading = rows.first().map_or("", |row| &row.table);
-        let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
-        let shown = [
-            true,
-            true,
-            any(&|row| row.paper.is_some()),
-            any(&|row| row.reference.is_some()),
-            true,
-            any(&|row| row.ratio.is_some()),
-            any(&|row| row.met.is_some()),
-        ];
-        let visible = |cells: [String; 7]| {
-            let cells = cells.into_iter().zip(shown);
-            cells.filter_map(|(cell, shown)| shown.then_some(cell))
-        };
-        let header = [
-            heading,
-            "quantity",
-            "paper",
-            "reference",
-            "ours",
-            "ours / paper",
-            "expected",
-        ];
-        let numbers = 2..2 + shown[2..6].iter().filter(|shown| **shown).count();
-        let mut table = table(visible(header.map(str::to_owned)), numbers);
-        for row in rows {
+        let heading = rows.first().map_or(String::new(), |row| row.table.clone());
+        let columns = verdict::columns(rows);
+        let judged = rows.iter().any(|row| row.met.is_some());
+        let titles = columns.iter().map(|(title, _)| *title);
+        let header = [heading.as_str(), "quantity"].into_iter().chain(titles);
+        let header = header.chain(judged.then_some("expected"));
+        let mut table = aligned(header, 2..2 + columns.len());
+        for (i, row) in rows.iter().enumerate() {
             let value = |value: Option<f64>| value.map_or("-".to_owned(), number);
             let mark = match row.met {
                 Some(true) => "met: ",
                 Some(false) => "MISSED: ",
                 None => "",
             };
-            table.add_row(visible([
-                row.name.clone(),
-                row.quantity_with_unit(),
-                value(row.paper),
-                value(row.reference),
-                value(row.ours),
-                value(row.ratio),
-                format!("{mark}{}", row.admissible),
-            ]));
+            let figures = columns.iter().map(|(_, figures)| value(figures[i]));
+            let cells = [row.name.clone(), row.quantity_with_unit()].into_iter();
+            let expected = judged.then(|| format!("{mark}{}", row.admissible));
+            table.add_row(cells.chain(figures).chain(expected));
         }
         text.push_str(&format!("{}\n", table.trim_fmt()));
     }
     if rows.is_empty() {
-        let header = ["run", "squared error [rad2]", "violations"];
-        let mut table = table(header.map(str::to_owned), 1..3);
+        let mut table = aligned(["run", "squared error [rad2]", "violations"], [1, 2]);
         for (run, outcome) in experiment.runs.iter().zip(outcomes) {
             let score = outcome.as_ref().ok().map(|outcome| &outcome.summary.score);
             let error = score.and_then(|score| score.squared_error_rad2);
@@ -240,18 +214,4 @@ fn text(experiment: &Experiment, outcomes: &[Result<Outcome, Error>], rows: &[Ro
     }
     text.push('\n');
     text
-}
-
-/// An empty table whose columns of numbers are aligned.
-fn table(header: impl IntoIterator<Item = String>, numbers: Range<usize>) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(UTF8_BORDERS_ONLY)
-        .set_header(header.into_iter().collect::<Vec<_>>());
-    for index in numbers {
-        if let Some(column) = table.column_mut(index) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
 }

@@ -142,13 +142,11 @@ fn unknown_columns(
         }
     };
     for expectation in &experiment.expectations {
-        if let Quantity::Plans(status) = &expectation.quantity {
-            for &run in expectation.of.iter().chain(&expectation.over) {
+        for &run in expectation.of.iter().chain(&expectation.over) {
+            if let Quantity::Plans(status) = &expectation.quantity {
                 unknown_statuses.extend(unknown_status(prepared, run, status, &expectation.place));
             }
-        }
-        if let Some(signal) = expectation.quantity.signal() {
-            for &run in expectation.of.iter().chain(&expectation.over) {
+            if let Some(signal) = expectation.quantity.signal() {
                 check(run, signal, &expectation.place);
             }
         }

@@ -1,4 +1,4 @@
-//! Reads an experiment from its TOML file. Every mistake names file, line and key.
+//! Reads an experiment from its TOML file. Every mistake names the file and a line.
 
 mod rows;
 mod runs;

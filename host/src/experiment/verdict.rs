@@ -42,6 +42,30 @@ impl Row {
     }
 }
 
+/// Title of a column of figures, and the figure of each row.
+pub type Column = (&'static str, Vec<Option<f64>>);
+
+/// The figures of a table's rows by column; columns that no row fills are left out.
+pub fn columns(rows: &[Row]) -> Vec<Column> {
+    let column = |title, figure: &dyn Fn(&Row) -> Option<f64>| {
+        let figures: Vec<_> = rows.iter().map(figure).collect();
+        figures
+            .iter()
+            .any(Option::is_some)
+            .then_some((title, figures))
+    };
+    let ours = rows.iter().map(|row| row.ours).collect();
+    [
+        column("paper", &|row| row.paper),
+        column("reference", &|row| row.reference),
+        Some(("ours", ours)),
+        column("ours / paper", &|row| row.ratio),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
 /// The rows of an experiment whose runs came to `outcomes`, in the order of its runs; those of one table follow
 /// each other.
 pub fn rows(experiment: &Experiment, outcomes: &[Result<Outcome, Error>]) -> Vec<Row> {

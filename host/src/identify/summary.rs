@@ -1,10 +1,9 @@
 //! What an identification comes to: for people tables, for scripts JSON.
 
 use super::{Compared, Identified, Made};
+use crate::table::aligned;
 use ::identification::Fit;
 use ::identification::regression::Order;
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, Table};
 use serde::{Deserialize, Serialize};
 
 /// A parameter with its error.
@@ -286,26 +285,10 @@ impl Summary {
 
     /// Both tables, aligned.
     pub fn table(&self) -> String {
-        let mut parameters = Table::new();
-        parameters.load_style(UTF8_BORDERS_ONLY).set_header([
-            "parameter",
-            "value",
-            "sigma",
-            "unit",
-        ]);
+        let mut parameters = aligned(["parameter", "value", "sigma", "unit"], [1, 2]);
         parameters.add_rows(self.parameter_rows());
-        let mut rest = Table::new();
-        rest.load_style(UTF8_BORDERS_ONLY)
-            .set_header(["quantity", "value", "unit"]);
+        let mut rest = aligned(["quantity", "value", "unit"], [1]);
         rest.add_rows(self.rows());
-        for column in [1, 2] {
-            if let Some(column) = parameters.column_mut(column) {
-                column.set_cell_alignment(CellAlignment::Right);
-            }
-        }
-        if let Some(column) = rest.column_mut(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
         format!("{}\n{}", parameters.trim_fmt(), rest.trim_fmt())
     }
 }

@@ -74,15 +74,28 @@ pub(super) fn script() -> String {
     sources
 }
 
-/// Text in HTML.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+impl Panel {
+    /// A panel whose axis takes its range and its numbers from the traces.
+    pub(super) fn new(title: impl Into<String>, traces: Vec<Trace>) -> Self {
+        Self {
+            title: title.into(),
+            traces,
+            ticks: Vec::new(),
+            from_zero: false,
+        }
+    }
 }
 
 impl Chart {
+    /// A chart over a linear axis.
+    pub(super) fn new(axis: &str, panels: Vec<Panel>) -> Self {
+        Self {
+            axis: axis.to_owned(),
+            log: false,
+            panels,
+        }
+    }
+
     /// The chart as HTML for a page with [`script`]. `id` is unique on the page, `height` that of a panel \[px\].
     pub(super) fn interactive(&self, id: &str, height: usize) -> String {
         self.plot(height).to_inline_html(Some(id))

@@ -10,7 +10,7 @@
 //! A run is written as soon as it is done; the rest when all are. Files appear whole or not at all.
 
 use super::figures::chart;
-use super::{OutputFolder, page};
+use super::{Made, OutputFolder, page};
 use crate::experiment::verdict::Row;
 use crate::experiment::{Experiment, Run};
 use crate::run::summary::Summary;
@@ -24,6 +24,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct ExperimentsFolder {
     path: PathBuf,
+    /// Goes with the folder if nothing was written.
+    _made: Made,
 }
 
 /// An experiment whose runs are over.
@@ -56,15 +58,16 @@ struct RunJson<'a> {
 }
 
 impl ExperimentsFolder {
-    /// Makes the folder.
+    /// Makes the folder, which goes again if nothing comes to be written.
     pub fn prepare(path: &Path) -> Result<Self, Error> {
-        fs::create_dir_all(path).map_err(|source| Error::OutputFolder {
+        let failed = |source| Error::OutputFolder {
             path: path.to_owned(),
             source,
-        })?;
-        Ok(Self {
-            path: path.to_owned(),
-        })
+        };
+        let path = std::path::absolute(path).map_err(failed)?;
+        let mut made = Made::default();
+        made.folder(&path).map_err(failed)?;
+        Ok(Self { path, _made: made })
     }
 
     /// Writes the samples of a run, partial ones too.
@@ -90,22 +93,31 @@ impl ExperimentsFolder {
             let path = path.to_owned();
             move |source| Error::Output { path, source }
         };
-        for finished in experiments {
+        let charts: Vec<Vec<_>> = experiments
+            .iter()
+            .map(|finished| {
+                let figures = finished.experiment.figures.iter();
+                figures.map(|f| chart(f, finished.outcomes)).collect()
+            })
+            .collect();
+        for (finished, charts) in experiments.iter().zip(&charts) {
             let experiment = finished.experiment;
             let file = self.path.join(&experiment.name).join("experiment.json");
             let mut json = serde_json::to_string_pretty(&json(finished))
                 .map_err(|error| failed(&file)(error.into()))?;
             json.push('\n');
             write_whole(&file, json.as_bytes()).map_err(failed(&file))?;
-            for figure in &experiment.figures {
+            for (figure, chart) in experiment.figures.iter().zip(charts) {
                 let file = self.path.join(svg_path(experiment, &figure.name));
-                let svg = chart(figure, finished.outcomes).svg();
-                let svg = svg.map_err(|error| failed(&file)(io::Error::other(error)))?;
+                let svg = chart
+                    .svg()
+                    .map_err(|error| failed(&file)(io::Error::other(error)))?;
                 write_whole(&file, svg.as_bytes()).map_err(failed(&file))?;
             }
         }
         let file = self.path.join("index.html");
-        write_whole(&file, page::html(title, experiments).as_bytes()).map_err(failed(&file))?;
+        let page = page::html(title, experiments, &charts);
+        write_whole(&file, page.as_bytes()).map_err(failed(&file))?;
         Ok(file)
     }
 }
@@ -142,16 +154,13 @@ fn json<'a>(finished: &Finished<'a>) -> Json<'a> {
 fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
-    let mut file = tempfile::Builder::new()
-        .prefix(".flexarm-")
-        .tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    // Temporary files are the owner's alone; this one is for every reader.
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".flexarm-");
+    // As any other new file, less what the user's mask takes off; temporary files are the owner's alone otherwise.
     #[cfg(unix)]
-    fs::set_permissions(
-        file.path(),
-        std::os::unix::fs::PermissionsExt::from_mode(0o644),
-    )?;
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
     file.persist(path)?;
     Ok(())
 }

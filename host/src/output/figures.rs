@@ -34,7 +34,7 @@ pub(super) fn chart(figure: &Figure, outcomes: &[Result<Outcome, Error>]) -> Cha
                     let (x, y) = within(figure.range, &x, &y);
                     Some(Trace::new(&curve.name, colour, curve.style, &x, &y))
                 });
-                panels.push(panel_of(panel.axis.clone(), traces.collect()));
+                panels.push(Panel::new(&panel.axis, traces.collect()));
             }
             FigureKind::FrequencyResponse => {
                 let mut amplitudes = Vec::new();
@@ -53,8 +53,8 @@ pub(super) fn chart(figure: &Figure, outcomes: &[Result<Outcome, Error>]) -> Cha
                         ..trace(&phase)
                     });
                 }
-                panels.push(panel_of(format!("{} [dB]", panel.axis), amplitudes));
-                panels.push(panel_of("phase [deg]".to_owned(), phases));
+                panels.push(Panel::new(format!("{} [dB]", panel.axis), amplitudes));
+                panels.push(Panel::new("phase [deg]", phases));
             }
         }
     }
@@ -62,15 +62,6 @@ pub(super) fn chart(figure: &Figure, outcomes: &[Result<Outcome, Error>]) -> Cha
         axis: figure.axis.clone(),
         log: figure.kind == FigureKind::FrequencyResponse,
         panels,
-    }
-}
-
-fn panel_of(title: String, traces: Vec<Trace>) -> Panel {
-    Panel {
-        title,
-        traces,
-        ticks: Vec::new(),
-        from_zero: false,
     }
 }
 

@@ -1,7 +1,8 @@
 //! An identification in a folder: parameters, numbers, report and measurements.
 
-use super::chart::{Chart, Panel, Trace, escape, script};
-use super::report::{HEAD, PANEL, TIME};
+use super::chart::{Chart, Panel, Trace};
+use super::html::{END, RESULT, escape, head, row};
+use super::report::{PANEL, TIME};
 use super::{
     IDENTIFICATION, MEASUREMENTS, OF_AN_IDENTIFICATION, OutputFolder, PARAMETERS,
     PARTIAL_MEASUREMENTS, WHOLE,
@@ -172,15 +173,10 @@ fn write_signals(signals: &Signals, path: &Path) -> io::Result<()> {
 /// The page.
 fn html(identified: &Identified, summary: &Summary) -> String {
     let title = format!("Identification from {}", identified.measurement.name);
-    let mut page = String::from(HEAD);
-    let _ = write!(
-        page,
-        "<title>{0}</title>\n{1}</head>\n<body>\n<h1>{0}</h1>\n<table>\n",
-        escape(&title),
-        script(),
-    );
+    let mut page = head(&title, RESULT);
+    page.push_str("<table>\n");
     for [name, value, unit] in summary.rows() {
-        row(&mut page, &[&name, &value, &unit]);
+        row(&mut page, [&name, &value, &unit]);
     }
     page.push_str("</table>\n");
     for warning in &summary.warnings {
@@ -188,7 +184,7 @@ fn html(identified: &Identified, summary: &Summary) -> String {
     }
     page.push_str("<h2>Parameters</h2>\n<table>\n");
     for [name, value, sigma, unit] in summary.parameter_rows() {
-        row(&mut page, &[&name, &format!("{value} ± {sigma}"), &unit]);
+        row(&mut page, [&name, &format!("{value} ± {sigma}"), &unit]);
     }
     page.push_str("</table>\n");
     if !summary.experiments.is_empty() {
@@ -196,22 +192,18 @@ fn html(identified: &Identified, summary: &Summary) -> String {
         for made in &summary.experiments {
             let ([first, last], [low, high]) = (made.setpoints_rad, made.angles_rad);
             let value = format!("angle {low:.4} to {high:.4}, setpoints {first:.4} to {last:.4}");
-            row(&mut page, &[&made.name, &value, "rad"]);
+            row(&mut page, [&made.name, &value, "rad"]);
             let name = format!("{}: outside the range", made.name);
-            row(&mut page, &[&name, &made.outside.to_string(), "samples"]);
+            row(&mut page, [&name, &made.outside.to_string(), "samples"]);
             let name = format!("{}: attempts", made.name);
-            row(&mut page, &[&name, &made.attempts.to_string(), ""]);
+            row(&mut page, [&name, &made.attempts.to_string(), ""]);
         }
         page.push_str("</table>\n");
     }
     let curve = curve(identified);
     let mut section = |heading: &str, id: &str, panels: Vec<Panel>, axis: &str| {
         let _ = writeln!(page, "<h2>{}</h2>", escape(heading));
-        let chart = Chart {
-            axis: axis.to_owned(),
-            log: false,
-            panels,
-        };
+        let chart = Chart::new(axis, panels);
         page.push_str(&chart.interactive(id, PANEL));
         page.push('\n');
     };
@@ -242,18 +234,8 @@ fn html(identified: &Identified, summary: &Summary) -> String {
             TIME,
         );
     }
-    page.push_str("</body>\n</html>\n");
+    page.push_str(END);
     page
-}
-
-fn row(page: &mut String, [name, value, unit]: &[&str; 3]) {
-    let _ = writeln!(
-        page,
-        "<tr><th>{}</th><td>{}</td><td class=\"unit\">{}</td></tr>",
-        escape(name),
-        escape(value),
-        escape(unit)
-    );
 }
 
 /// g(θ) over the angles that were measured.
@@ -266,7 +248,7 @@ fn curve(identified: &Identified) -> Panel {
     let torque = angle.iter().map(|a| found.parameters.position_torque(*a));
     let torque: Vec<f64> = torque.collect();
     let name = "torque that holds the arm";
-    panel(
+    Panel::new(
         "g [N.m]",
         vec![Trace::new(name, CURVE_COLOR, Style::Line, &angle, &torque)],
     )
@@ -286,14 +268,14 @@ fn panels(compared: &Compared, without: Option<&Compared>) -> Vec<Panel> {
     let milli: Vec<f64> = series.residuals().iter().map(|r| 1e3 * r).collect();
     let reconstructed = &series.reconstructed;
     let mut panels = vec![
-        panel(
+        Panel::new(
             "torque, filtered [N.m]",
             vec![
                 fitted(&series.measured, "measured torque", MEASURED, line),
                 fitted(reconstructed, "reconstructed torque", RECONSTRUCTED, dashed),
             ],
         ),
-        panel(
+        Panel::new(
             "residual [mN.m]",
             vec![fitted(&milli, "residual", RESIDUAL, line)],
         ),
@@ -302,7 +284,7 @@ fn panels(compared: &Compared, without: Option<&Compared>) -> Vec<Panel> {
     if let Some(reference) = &signals.reference {
         angle.push(raw(reference, "reference", REFERENCE, dashed));
     }
-    panels.push(panel("angle [rad]", angle));
+    panels.push(Panel::new("angle [rad]", angle));
     let milli = |compared: &Compared| {
         let error = compared.signals.tracking_error()?;
         Some(error.iter().map(|e| 1e3 * e).collect::<Vec<_>>())
@@ -318,7 +300,7 @@ fn panels(compared: &Compared, without: Option<&Compared>) -> Vec<Panel> {
         errors.push(raw(&error, "tracking error", ERROR, line));
     }
     if !errors.is_empty() {
-        panels.push(panel("angle - reference [mrad]", errors));
+        panels.push(Panel::new("angle - reference [mrad]", errors));
     }
     let split: Vec<Trace> = [
         (&signals.feedforward, "feedforward", FEEDFORWARD),
@@ -328,16 +310,7 @@ fn panels(compared: &Compared, without: Option<&Compared>) -> Vec<Panel> {
     .filter_map(|(values, name, color)| Some(raw(values.as_ref()?, name, color, line)))
     .collect();
     if !split.is_empty() {
-        panels.push(panel("torque [N.m]", split));
+        panels.push(Panel::new("torque [N.m]", split));
     }
     panels
-}
-
-fn panel(title: &str, traces: Vec<Trace>) -> Panel {
-    Panel {
-        title: title.to_owned(),
-        traces,
-        ticks: Vec::new(),
-        from_zero: false,
-    }
 }

@@ -10,6 +10,7 @@ mod chart;
 mod decimate;
 pub mod experiments;
 mod figures;
+mod html;
 mod identification;
 mod page;
 mod report;

@@ -1,21 +1,16 @@
 //! The page of experiments: tables as paper, reference, ours; figures interactive, and as SVG in print.
 
-use super::chart::{escape, script};
+use super::chart::Chart;
 use super::experiments::{Finished, svg_path};
-use super::figures::chart;
-use crate::experiment::verdict::Row;
+use super::html::{END, escape, head};
+use crate::experiment::verdict::{self, Row};
 use crate::run::summary::number;
 use std::fmt::Write;
 
 /// Height of a panel \[px\].
 const PANEL: usize = 240;
 
-const HEAD: &str = r#"<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<style>
+const STYLE: &str = "\
 body { font: 15px/1.55 system-ui, sans-serif; color: #1f2933; background: #fff; max-width: 1000px; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.25rem; margin-top: 3rem; border-top: 1px solid #e5e7eb; padding-top: 1.2rem; }
 h3 { font-size: 1rem; margin: 1.6rem 0 .4rem; }
@@ -29,19 +24,11 @@ figure { margin: 1.5rem 0; break-inside: avoid; } figcaption { font-size: .95em;
 figure img { display: none; max-width: 100%; }
 nav li { margin: .1rem 0; }
 @media print { .interactive { display: none; } figure img { display: block; } nav { display: none; } body { max-width: none; } }
-</style>
-"#;
+";
 
-/// The page.
-pub(super) fn html(title: &str, experiments: &[Finished<'_>]) -> String {
-    let mut page = String::from(HEAD);
-    // Formatting to a String cannot fail.
-    let _ = writeln!(
-        page,
-        "<title>{0}</title>\n{1}</head>\n<body>\n<h1>{0}</h1>",
-        escape(title),
-        script()
-    );
+/// The page. `charts` are those of each experiment's figures.
+pub(super) fn html(title: &str, experiments: &[Finished<'_>], charts: &[Vec<Chart>]) -> String {
+    let mut page = head(title, STYLE);
     let rows = || experiments.iter().flat_map(|finished| finished.rows);
     let judged = rows().filter(|row| row.met.is_some()).count();
     let missed = rows().filter(|row| row.met == Some(false)).count();
@@ -72,14 +59,14 @@ pub(super) fn html(title: &str, experiments: &[Finished<'_>]) -> String {
         );
     }
     page.push_str("</ul></nav>\n");
-    for finished in experiments {
-        section(&mut page, finished);
+    for (finished, charts) in experiments.iter().zip(charts) {
+        section(&mut page, finished, charts);
     }
-    page.push_str("</body>\n</html>\n");
+    page.push_str(END);
     page
 }
 
-fn section(page: &mut String, finished: &Finished<'_>) {
+fn section(page: &mut String, finished: &Finished<'_>, charts: &[Chart]) {
     let experiment = finished.experiment;
     let _ = writeln!(
         page,
@@ -125,9 +112,9 @@ fn section(page: &mut String, finished: &Finished<'_>) {
     for table in finished.rows.chunk_by(|a, b| a.table == b.table) {
         rows(page, table);
     }
-    for figure in &experiment.figures {
-        let chart = chart(figure, finished.outcomes);
-        let id = format!("{}-{}", experiment.name, figure.name);
+    for (figure, chart) in experiment.figures.iter().zip(charts) {
+        // Neither name has a slash.
+        let id = format!("{}/{}", experiment.name, figure.name);
         let _ = writeln!(
             page,
             "<figure>\n<div class=\"interactive\">{}</div>\n<img src=\"{svg}\" alt=\"{title}\">\n\
@@ -139,30 +126,18 @@ fn section(page: &mut String, finished: &Finished<'_>) {
     }
 }
 
-/// Title of a column, whether it is shown, its figure in a row.
-type Column<'a> = (&'a str, bool, &'a dyn Fn(&Row) -> Option<f64>);
-
-/// One table. Columns that no row fills are left out.
+/// One table.
 fn rows(page: &mut String, rows: &[Row]) {
+    let columns = verdict::columns(rows);
     let any = |filled: &dyn Fn(&Row) -> bool| rows.iter().any(filled);
-    let columns: [Column<'_>; 4] = [
-        ("paper", any(&|r| r.paper.is_some()), &|r| r.paper),
-        ("reference", any(&|r| r.reference.is_some()), &|r| {
-            r.reference
-        }),
-        ("ours", true, &|r| r.ours),
-        ("ours / paper", any(&|r| r.ratio.is_some()), &|r| r.ratio),
-    ];
     let judged = any(&|r| r.met.is_some());
     let noted = any(&|r| !r.note.is_empty());
     if let Some(name) = rows.first().map(|row| &row.table).filter(|n| !n.is_empty()) {
         let _ = writeln!(page, "<h3>{}</h3>", escape(name));
     }
     page.push_str("<table>\n<tr><th></th><th class=\"text\">quantity</th>");
-    for (name, shown, _) in &columns {
-        if *shown {
-            let _ = write!(page, "<th>{name}</th>");
-        }
+    for (title, _) in &columns {
+        let _ = write!(page, "<th>{title}</th>");
     }
     if judged {
         page.push_str("<th class=\"text\">expected</th>");
@@ -171,18 +146,16 @@ fn rows(page: &mut String, rows: &[Row]) {
         page.push_str("<th class=\"text\">note</th>");
     }
     page.push_str("</tr>\n");
-    for row in rows {
+    for (i, row) in rows.iter().enumerate() {
         let quantity = escape(&row.quantity_with_unit());
         let _ = write!(
             page,
             "<tr><td>{}</td><td class=\"text\">{quantity}</td>",
             escape(&row.name)
         );
-        for (_, shown, value) in &columns {
-            if *shown {
-                let text = value(row).map_or("–".to_owned(), number);
-                let _ = write!(page, "<td>{text}</td>");
-            }
+        for (_, figures) in &columns {
+            let text = figures[i].map_or("–".to_owned(), number);
+            let _ = write!(page, "<td>{text}</td>");
         }
         if judged {
             let class = match row.met {

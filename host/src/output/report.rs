@@ -1,6 +1,7 @@
 //! The report: one HTML page that needs no network, with the summary and linked, zoomable plots.
 
-use super::chart::{Chart, Panel, Trace, escape, script};
+use super::chart::{Chart, Panel, Trace};
+use super::html::{END, RESULT, escape, head, row};
 use crate::experiment::Style;
 use crate::input::roles::Role;
 use crate::run::Outcome;
@@ -32,24 +33,11 @@ const ITERATIONS: &str = "#6366f1";
 pub(super) fn html(outcome: &Outcome) -> String {
     let summary = &outcome.summary;
     let title = format!("{} with {}", summary.controller.model, summary.plant.model);
-    let mut page = String::from(HEAD);
+    let mut page = head(&title, RESULT);
     // Formatting to a String cannot fail.
-    let _ = write!(
-        page,
-        "<title>{}</title>\n{}</head>\n<body>\n<h1>{}</h1>\n",
-        escape(&title),
-        script(),
-        escape(&title)
-    );
     let _ = writeln!(page, "<p>{}</p>\n<table>", escape(&summary.headline()));
     for [name, value, unit] in summary.rows() {
-        let _ = writeln!(
-            page,
-            "<tr><th>{}</th><td>{}</td><td class=\"unit\">{}</td></tr>",
-            escape(&name),
-            escape(&value),
-            escape(&unit)
-        );
+        row(&mut page, [&name, &value, &unit]);
     }
     page.push_str("</table>\n");
     if let Some(stopped) = &summary.stopped {
@@ -62,32 +50,12 @@ pub(super) fn html(outcome: &Outcome) -> String {
     for warning in &summary.warnings {
         let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
     }
-    let chart = Chart {
-        axis: TIME.to_owned(),
-        log: false,
-        panels: panels(outcome),
-    };
+    let chart = Chart::new(TIME, panels(outcome));
     page.push_str(&chart.interactive("plots", PANEL));
-    page.push_str("\n</body>\n</html>\n");
+    page.push('\n');
+    page.push_str(END);
     page
 }
-
-/// Beginning of a page.
-pub(super) const HEAD: &str = r#"<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<style>
-body { font: 15px/1.5 system-ui, sans-serif; color: #1f2933; background: #fff; max-width: 1200px; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.4rem; font-weight: 600; }
-table { border-collapse: collapse; columns: 2; margin-bottom: 1rem; }
-th { text-align: left; font-weight: 400; color: #52606d; padding: .1rem 1.5rem .1rem 0; }
-td { text-align: right; font-variant-numeric: tabular-nums; padding: .1rem .4rem; }
-td.unit { text-align: left; color: #52606d; }
-p.warning { color: #b45309; margin: .2rem 0; }
-</style>
-"#;
 
 fn panels(outcome: &Outcome) -> Vec<Panel> {
     let recording = &outcome.recording;
@@ -141,24 +109,18 @@ fn panels(outcome: &Outcome) -> Vec<Panel> {
     if let (Some(limit), false) = (outcome.thermal_limit, thermal.is_empty()) {
         thermal.push(line("limit of the thermal load", HEAT_LIMIT, limit));
     }
-    let panel = |title: &str, traces| Panel {
-        title: title.to_owned(),
-        traces,
-        ticks: Vec::new(),
-        from_zero: false,
-    };
     let mut panels = vec![
-        panel("angle [rad]", angle),
-        panel("angle - reference [mrad]", error.into_iter().collect()),
-        panel("torque [N.m]", torque.into_iter().flatten().collect()),
-        panel("thermal load [A2]", thermal),
-        panel(
+        Panel::new("angle [rad]", angle),
+        Panel::new("angle - reference [mrad]", error.into_iter().collect()),
+        Panel::new("torque [N.m]", torque.into_iter().flatten().collect()),
+        Panel::new("thermal load [A2]", thermal),
+        Panel::new(
             "plan status",
             held(Role::PlanStatus, "plan status", STATUS)
                 .into_iter()
                 .collect(),
         ),
-        panel(
+        Panel::new(
             "iterations",
             held(Role::PlanIterations, "iterations per plan", ITERATIONS)
                 .into_iter()
@@ -187,6 +149,7 @@ fn status_names(recording: &Recording) -> Vec<(i64, String)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::chart::script;
     use super::super::tests::outcome;
     use super::*;
 

@@ -3,8 +3,7 @@
 use super::score::Score;
 use super::{Order, Simulation};
 use crate::fmu::Fmu;
-use comfy_table::presets::UTF8_BORDERS_ONLY;
-use comfy_table::{CellAlignment, Table};
+use crate::table::aligned;
 use serde::{Deserialize, Serialize};
 
 /// One of the two FMUs of a run.
@@ -198,14 +197,8 @@ impl Summary {
 
     /// All quantities, aligned, under the headline.
     pub fn table(&self) -> String {
-        let mut table = Table::new();
-        table
-            .load_style(UTF8_BORDERS_ONLY)
-            .set_header(["quantity", "value", "unit"]);
+        let mut table = aligned(["quantity", "value", "unit"], [1]);
         table.add_rows(self.rows());
-        if let Some(column) = table.column_mut(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
         format!("{}\n{}", self.headline(), table.trim_fmt())
     }
 }

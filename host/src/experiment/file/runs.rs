@@ -119,7 +119,7 @@ fn simulation(
     Ok(simulation)
 }
 
-/// Values by name; dotted names may be nested tables, and an array sets all elements of an array.
+/// Values by name; dotted names may be nested tables, and a list sets the first elements of an array.
 fn assignments<'a>(
     table: &'a toml::Table,
     prefix: &str,
