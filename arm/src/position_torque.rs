@@ -179,12 +179,8 @@ impl Parameters {
         value
     }
 
-    /// g, dg/dθ and d²g/dθ² at `angle` \[N·m, N·m/rad, N·m/rad²\].
-    pub fn position_torque_derivatives(&self, angle: f64) -> [f64; 3] {
-        self.at(angle)
-    }
-
-    fn at<const D: usize>(&self, angle: f64) -> [f64; D] {
+    /// g and its first D − 1 derivatives at `angle` \[N·m, N·m/rad, N·m/rad²\].
+    pub(crate) fn at<const D: usize>(&self, angle: f64) -> [f64; D] {
         let angles = [<Separate as Arithmetic>::Vector::splat(angle)];
         let vectors = PositionTorque::<D>::new(self).derivatives::<Separate, 1, D>(angles);
         vectors.map(|[vector]| vector.lanes()[0])
@@ -259,7 +255,7 @@ mod tests {
             let angle = <Separate as Arithmetic>::Vector::new(&angles);
             let vectors = PositionTorque::<3>::new(&p).derivatives::<Separate, 2, 3>([angle; 2]);
             for l in 0..4 {
-                let single = p.position_torque_derivatives(angles[l]);
+                let single = p.at::<3>(angles[l]);
                 prop_assert_eq!(vectors.map(|[vector, _]| vector.lanes()[l]), single);
                 prop_assert_eq!(vectors.map(|[_, vector]| vector.lanes()[l]), single);
             }
@@ -268,9 +264,9 @@ mod tests {
         #[test]
         fn derivatives_agree_with_differences(p in any_parameters(), angle in -3.0..3.0_f64) {
             let h = 1e-5;
-            let [_, slope, curvature] = p.position_torque_derivatives(angle);
-            let [above, slope_above, _] = p.position_torque_derivatives(angle + h);
-            let [below, slope_below, _] = p.position_torque_derivatives(angle - h);
+            let [_, slope, curvature] = p.at::<3>(angle);
+            let [above, slope_above, _] = p.at::<3>(angle + h);
+            let [below, slope_below, _] = p.at::<3>(angle - h);
             // Third and fourth derivatives reach Σ|a_i|·(i·w)^n, hence the relative scale.
             let scale = p.cogging_frequency.powi(3).max(1.0);
             prop_assert!(((above - below) / (2.0 * h) - slope).abs() < 1e-6 * scale);

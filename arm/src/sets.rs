@@ -126,7 +126,7 @@ mod tests {
     /// The remarks on fig 8 from which the cogging frequency is inferred.
     #[test]
     fn tflex_torque_falls_between_1_15_and_1_30_and_rises_at_1_40() {
-        let slope = |angle| Parameters::tflex().position_torque_derivatives(angle)[1];
+        let slope = |angle| Parameters::tflex().at::<2>(angle)[1];
         for i in 0..=150 {
             let angle = 1.15 + 0.001 * f64::from(i);
             assert!(slope(angle) < 0.0, "slope at {angle}");

@@ -9,6 +9,7 @@ use control::nmpc::plan::{PlanStatus, PlannerState};
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::{Initial, Model};
 use control::nmpc::rollout::Rollout;
+use control::nmpc::solver::THERMAL_TOLERANCE;
 use control::nmpc::transcription::Transcription;
 
 use crate::Failure;
@@ -116,7 +117,7 @@ fn plan(planner: &mut Planner, model: &mut Transcription, starts: &[(Initial, f6
         let plan = planner.latest();
         model.set(*initial, *goal);
         model.roll_out(&plan.moves, &mut rollout);
-        let kept = plan.status == PlanStatus::Solved && rollout.excess <= 1e-6;
+        let kept = plan.status == PlanStatus::Solved && rollout.excess <= THERMAL_TOLERANCE;
         Cold {
             cost: kept.then_some(rollout.cost),
             best,

@@ -134,4 +134,37 @@ mod tests {
     fn defaults_of_the_contract_are_the_tflex() {
         assert_eq!(settings(&Variables::default()), Ok(Settings::tflex()));
     }
+
+    /// Refusals name items by number, which only the contract knows.
+    #[test]
+    fn refusals_name_the_items_of_the_contract() {
+        for (ours, declared) in [
+            (Method::Automatic, declared::NmpcSolver::Automatic),
+            (Method::Riccati, declared::NmpcSolver::Riccati),
+            (Method::Clarabel, declared::NmpcSolver::Clarabel),
+        ] {
+            assert_eq!(ours as i64, declared as i64);
+        }
+        let mut variables = Variables::default();
+        variables.nmpc.model = declared::NmpcModel::Qp as i64;
+        let settings = settings(&variables).expect("items");
+        let refused = control::Controller::new(&settings)
+            .err()
+            .expect("riccati cannot");
+        let message = refused[0].to_string();
+        for item in [
+            format!("{} (automatic)", declared::NmpcSolver::Automatic as i64),
+            format!("{} (clarabel)", declared::NmpcSolver::Clarabel as i64),
+            format!(
+                "nmpc.model = {} (nonlinear)",
+                declared::NmpcModel::Nonlinear as i64
+            ),
+            format!(
+                "nmpc.terminal = {} (rest_at_goal)",
+                declared::NmpcTerminal::RestAtGoal as i64
+            ),
+        ] {
+            assert!(message.contains(&item), "{message}");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use crate::frequency::{Mask, Projection, refine};
 use crate::harmonics::{Candidate, choose};
 use crate::least_squares::{Dependent, covariance};
 use crate::measurement::Measurement;
-use crate::regression::{LINEAR, Order, Regression};
+use crate::regression::{HYSTERESIS, LINEAR, Order, Regression};
 use crate::{Error, Fit, Series};
 use arm::{HARMONICS, Parameters};
 use std::f64::consts::FRAC_PI_2;
@@ -110,12 +110,11 @@ const GAIN: f64 = 0.5;
 /// Residual at rest by that in motion, with parameters from motion alone, from which on friction holds the arm.
 const STICKING: f64 = 1.2;
 /// Condition number from which on motion that noise causes counts among the motion that tells parameters apart:
-/// it is correlated with the noise, so that errors are no longer random. The T-flex has 600 if its arm overshoots
-/// the range of the setpoints by 30 mrad; at 6000 its stiffness is off by 1.5 %.
+/// it is correlated with the noise, so that errors are no longer random. The T-flex has 1000 where its arm moves
+/// through all of its range (`docs/identification.md`).
 const ILL_CONDITIONED: f64 = 3000.0;
 
 const DAMPING: usize = 1;
-const HYSTERESIS: usize = 4;
 
 /// Identifies φ of eq 12.
 ///

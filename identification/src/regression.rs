@@ -3,7 +3,7 @@
 //! The second difference of the angle is the mean of the acceleration over the two periods beside the sample,
 //! with a triangular weight. A torque τ_k that is held from sample k on has the same weight in the mean
 //! (τ_{k−1} + τ_k)/2, so that both sides of eq 12 belong to the instant of sample k. With τ_k itself the torque
-//! would be late by half a period, and J·jerk·period/2 would pass for damping: 21 % of d on the T-flex at 4 kHz.
+//! would be late by half a period, and J·jerk·period/2 would pass for damping: 6 % of d on the T-flex at 4 kHz.
 //!
 //! Eq 12 is linear in φ but its regressors are not linear in θ. The mean of cos(iwθ) under the filter is not
 //! cos(iw·mean θ): see [`Order`].
@@ -23,7 +23,7 @@ pub enum Order {
     #[default]
     Regressors,
     /// Angle and torque, as the paper does; regressors come from the filtered angle. Smoothing takes amplitude
-    /// off cogging and hysteresis where the arm is fast: 1.4 % of d, 0.6 % of C, 0.9 % of o on the T-flex.
+    /// off cogging and hysteresis where the arm is fast: 0.3 % of C, 0.5 % of k, 0.9 % of o on the T-flex.
     Signals,
 }
 
@@ -40,7 +40,7 @@ const REST: f64 = 0.2;
 const SLIDING: f64 = 0.9;
 
 /// Position of z among the regressors.
-const HYSTERESIS: usize = 4;
+pub(crate) const HYSTERESIS: usize = 4;
 
 /// A measurement, filtered.
 #[derive(Clone, Debug)]
@@ -185,11 +185,6 @@ impl Regression {
             .enumerate()
             .map(|(row, t)| if self.counts(row) { *t } else { 0.0 });
         DVector::from_iterator(self.rows, torque)
-    }
-
-    /// Filtered angle of each row \[rad\].
-    pub fn angle(&self) -> Vec<f64> {
-        self.linear(2)
     }
 
     /// Regressor 0 to 4: α, ω, θ, 1, z, one value a row.

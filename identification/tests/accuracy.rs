@@ -49,7 +49,10 @@ fn smoothing_first_and_late_torques_bias() {
     };
     let regressors = errors(&p, &measurement, &settings(Order::Regressors));
     let signals = errors(&p, &measurement, &settings(Order::Signals));
-    for i in [0, 1, 2, 4] {
+    eprintln!(
+        "J, k, o, d, C, w, relative errors: regressors {regressors:.5?}, signals {signals:.5?}"
+    );
+    for i in [0, 1, 2, 4, 5] {
         assert!(
             signals[i] > 2.0 * regressors[i],
             "{i}: {signals:?} {regressors:?}"
@@ -60,6 +63,7 @@ fn smoothing_first_and_late_torques_bias() {
         ..measurement
     };
     let damping = errors(&p, &late, &settings(Order::Regressors))[3];
+    eprintln!("d by a late torque: {damping:.3}");
     assert!(damping > 0.05, "{damping}");
 }
 
@@ -185,8 +189,8 @@ fn an_arm_with_coulomb_friction_has_no_harmonics() {
         (p.inertia, inertia, 0.01),
         (p.stiffness, stiffness, 0.01),
         (p.offset, offset, 0.01),
-        (p.damping, damping, 0.1),
-        (p.hysteresis, friction, 0.1),
+        (p.damping, damping, 0.05),
+        (p.hysteresis, friction, 0.05),
     ] {
         assert!(
             (value / truth - 1.0).abs() < tolerance,
@@ -301,7 +305,7 @@ fn directions_are_treated_alike() {
         (f.cogging_cos[1], -b.cogging_cos[1]),
         (f.cogging_sin[1], b.cogging_sin[1]),
     ] {
-        assert!((f - b).abs() < 1e-4 * (1.0 + f.abs()), "{f} {b}");
+        assert!((f - b).abs() < 1e-6 * f.abs(), "{f} {b}");
     }
 }
 

@@ -41,11 +41,6 @@ impl Grid {
         &self.nodes
     }
 
-    /// Duration of a plan \[s\].
-    pub fn duration(&self) -> f64 {
-        self.nodes[self.nodes.len() - 1]
-    }
-
     /// Time when interval `k` begins, those after the last one being as long as that \[s\].
     fn begin(&self, k: usize) -> f64 {
         let last = self.nodes.len() - 1;

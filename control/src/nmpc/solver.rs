@@ -100,7 +100,7 @@ pub struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Cost and thermal excess of a rollout in one number.
+    /// Cost of a rollout and the price of its excesses, of heat and torque, in one number, in units of `cost_scale`.
     pub fn merit(&self, rollout: &Rollout) -> f64 {
         rollout.cost / self.cost_scale + self.penalty(rollout)
     }
@@ -127,12 +127,13 @@ impl Task<'_> {
         [beyond, beyond + set.heat(*angle, *velocity)].map(|excess| excess.max(0.0))
     }
 
-    /// Largest thermal excess at the nodes after the first \[A²\].
+    /// Largest thermal excess at the nodes after the first \[A²\]; at the last one with the heat of stopping, if that
+    /// is to be kept free.
     pub fn excess(&self, rollout: &Rollout) -> f64 {
         rollout.excess.max(self.terminal_excess(rollout)[1])
     }
 
-    /// Sum of the thermal excesses at the nodes after the first \[A²\].
+    /// Sum of the thermal excesses at the nodes after the first \[A²\], the last one as in [`Self::excess`].
     pub fn total_excess(&self, rollout: &Rollout) -> f64 {
         let [counted, all] = self.terminal_excess(rollout);
         rollout.total_excess + (all - counted)
@@ -197,7 +198,9 @@ impl Task<'_> {
         } else if !self.keeps_bounds(rollout) {
             (2, merit)
         } else {
-            (u8::from(!self.admits(rollout)), merit)
+            let kept = self.excess(rollout) <= THERMAL_TOLERANCE
+                && self.torque_excess(rollout) <= TORQUE_TOLERANCE;
+            (u8::from(!kept), merit)
         }
     }
 }

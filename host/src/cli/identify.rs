@@ -222,7 +222,8 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Error> {
         let _ = writeln!(stderr, "warning: {warning}");
     }
     if let Some(output) = output {
-        let report = output.write_identification(&identified, arguments.save_measurements)?;
+        let report =
+            output.write_identification(&identified, &summary, arguments.save_measurements)?;
         let _ = writeln!(stderr, "report: {}", report.display());
     }
     super::print(&format!("{}\n", summary.table()))

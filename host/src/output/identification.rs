@@ -38,9 +38,10 @@ impl OutputFolder {
     pub fn write_identification(
         mut self,
         identified: &Identified,
+        summary: &Summary,
         measurements: bool,
     ) -> Result<PathBuf, Error> {
-        self.identification_files(identified, measurements)
+        self.identification_files(identified, summary, measurements)
             .map_err(|source| Error::Output {
                 path: self.path.clone(),
                 source,
@@ -51,20 +52,20 @@ impl OutputFolder {
     fn identification_files(
         &mut self,
         identified: &Identified,
+        summary: &Summary,
         measurements: bool,
     ) -> io::Result<()> {
-        let summary = Summary::new(identified);
         let file = |name: &str| self.partial.path().join(name);
         let set = parameter_set(
             &identified.identification.parameters,
             identified.tube.as_ref(),
-            &description(&summary),
+            &description(summary),
         );
         fs::write(file(PARAMETERS), ssv::write(&set))?;
-        let mut json = serde_json::to_string_pretty(&summary)?;
+        let mut json = serde_json::to_string_pretty(summary)?;
         json.push('\n');
         fs::write(file(IDENTIFICATION), json)?;
-        fs::write(file(WHOLE[2]), html(identified, &summary))?;
+        fs::write(file(WHOLE[2]), html(identified, summary))?;
         if measurements {
             let compared = [
                 Some(&identified.measurement),

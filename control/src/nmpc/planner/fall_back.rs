@@ -24,9 +24,14 @@ impl Planner {
         }
     }
 
+    /// When the moves in memory began; infinite: never \[s\] ago.
+    fn ago(&self) -> f64 {
+        self.state.age.map_or(f64::INFINITY, f64::from) * self.problem().period
+    }
+
     /// The moves in memory as they go on from now, in `guess`; false if there are none any more.
     pub(super) fn shift_moves(&mut self) -> bool {
-        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * self.problem().period;
+        let ago = self.ago();
         // A whole number of periods misses the end by rounding.
         let left = ago < self.grid.duration_of(&self.state.moves) * (1.0 - 1e-9);
         if left {
@@ -50,6 +55,7 @@ impl Planner {
     /// Goes on with the previous moves if they still end at rest, else brakes.
     pub(super) fn fall_back(&mut self, initial: &Initial, finite: bool) -> PlanStatus {
         let left = self.shift_moves();
+        let ago = self.ago();
         let transcription = &self.transcription;
         let Plan {
             moves,
@@ -58,7 +64,6 @@ impl Planner {
             ..
         } = &mut self.plan;
         moves.copy_from_slice(&self.guess);
-        let ago = self.state.age.map_or(f64::INFINITY, f64::from) * transcription.problem().period;
         let gained = self.grid.gain_left(&self.state.moves, ago);
         let ends_at_rest = if finite {
             let start = initial.reference_velocity;

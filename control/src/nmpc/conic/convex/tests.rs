@@ -4,6 +4,23 @@ use super::super::super::spline::{Spline, hessian};
 use super::*;
 use proptest::prelude::*;
 
+/// Moves that stay at the goal, but for the ends.
+fn at_goal(transcription: &Transcription, goal: f64) -> Spline {
+    let mut spline = Spline::new(transcription.problem());
+    spline.free().fill(goal);
+    spline.fix_ends(transcription);
+    spline
+}
+
+/// Its moves and their rollout.
+fn roll_out(transcription: &Transcription, spline: &Spline) -> (Vec<f64>, Rollout) {
+    let horizon = transcription.problem().horizon;
+    let (mut moves, mut rollout) = (vec![0.0; horizon], Rollout::new(horizon));
+    spline.moves(transcription, &mut moves);
+    transcription.roll_out(&moves, &mut rollout);
+    (moves, rollout)
+}
+
 proptest! {
     /// Where g is affine the convex problem is no approximation: for any step its cost is the true
     /// one, and its rows hold with the true loads exactly, the cones without room.
@@ -28,16 +45,8 @@ proptest! {
             time_limit: None,
         };
         let mut convex = Convex::new(&transcription, hessian(&transcription));
-        let roll_out = |spline: &Spline| {
-            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-            spline.moves(&transcription, &mut moves);
-            transcription.roll_out(&moves, &mut rollout);
-            (moves, rollout)
-        };
-        let mut spline = Spline::new(&problem);
-        spline.free().fill(goal);
-        spline.fix_ends(&transcription);
-        let (moves, from) = roll_out(&spline);
+        let mut spline = at_goal(&transcription, goal);
+        let (moves, from) = roll_out(&transcription, &spline);
         convex.pose(&task, &moves, &from, 0.5);
 
         let mut solution = DefaultSolution::new(convex.a.n, convex.a.m);
@@ -47,7 +56,7 @@ proptest! {
         for (c, x) in spline.free().iter_mut().zip(&solution.x) {
             *c += convex.sigma() * x;
         }
-        let (_, trial) = roll_out(&spline);
+        let (_, trial) = roll_out(&transcription, &spline);
         let limit = problem.thermal_limit.expect("limited");
         for k in 0..40 {
             let change = trial.thermal_load[k + 1] - from.thermal_load[k + 1];
@@ -164,23 +173,15 @@ proptest! {
             time_limit: None,
         };
         let mut convex = Convex::new(&transcription, hessian(&transcription));
-        let roll_out = |spline: &Spline| {
-            let (mut moves, mut rollout) = (vec![0.0; 12], Rollout::new(12));
-            spline.moves(&transcription, &mut moves);
-            transcription.roll_out(&moves, &mut rollout);
-            (moves, rollout)
-        };
-        let mut spline = Spline::new(&problem);
-        spline.free().fill(goal);
-        spline.fix_ends(&transcription);
-        let (moves, from) = roll_out(&spline);
+        let mut spline = at_goal(&transcription, goal);
+        let (moves, from) = roll_out(&transcription, &spline);
         convex.pose(&task, &moves, &from, 0.0);
         let mut x = vec![0.0; convex.a.n];
         for ((c, x), step) in spline.free().iter_mut().zip(&mut x).zip(&steps) {
             *x = 1e-3 * step / convex.sigma();
             *c += 1e-3 * step;
         }
-        let (_, trial) = roll_out(&spline);
+        let (_, trial) = roll_out(&transcription, &spline);
         let (angle, velocity) = (trial.reference_angle[12], trial.reference_velocity[12]);
         let unit = convex.heat_weight * problem.thermal_limit.expect("limited");
         for k in 0..12 {
@@ -245,23 +246,15 @@ proptest! {
             time_limit: None,
         };
         let mut convex = Convex::new(&transcription, hessian(&transcription));
-        let roll_out = |spline: &Spline| {
-            let (mut moves, mut rollout) = (vec![0.0; 12], Rollout::new(12));
-            spline.moves(&transcription, &mut moves);
-            transcription.roll_out(&moves, &mut rollout);
-            (moves, rollout)
-        };
-        let mut spline = Spline::new(&problem);
-        spline.free().fill(goal);
-        spline.fix_ends(&transcription);
-        let (moves, from) = roll_out(&spline);
+        let mut spline = at_goal(&transcription, goal);
+        let (moves, from) = roll_out(&transcription, &spline);
         convex.pose(&task, &moves, &from, 0.0);
         let mut solution = DefaultSolution::new(convex.a.n, convex.a.m);
         for ((c, x), step) in spline.free().iter_mut().zip(&mut solution.x).zip(&steps) {
             *x = 1e-2 * step / convex.sigma();
             *c += 1e-2 * step;
         }
-        let (moves, trial) = roll_out(&spline);
+        let (moves, trial) = roll_out(&transcription, &spline);
         let excess = task.torque_excess(&trial).max(0.0);
         let slack = convex.torque_slack();
         solution.x[slack] = excess / torque_rows::UNIT;

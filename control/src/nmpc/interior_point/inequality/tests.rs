@@ -62,6 +62,12 @@ impl Kernel for Iteration {
         family.step::<A>(Aim::ZERO, &changes, &mut rates);
         assert_solved(&family, &changes, [&[0.0; COUNT], &[0.0; COUNT]]);
 
+        // The nearer to the boundary the smaller the products, within 1e-4 and 5e-3 of the way.
+        let fast = A::Vector::splat(2.0);
+        let left = |mu: f64| 1.0 - 2.0 * length(fast, mu);
+        assert!((left(0.0) - 1e-4).abs() < 1e-12 && (left(1e9) - 5e-3).abs() < 1e-12);
+        assert!(left(mu) >= left(0.1 * mu) && left(1e-3 * mu) <= 5e-3 + 1e-12);
+
         // Whatever the step, what must be positive stays so.
         let [primal, dual] = [length(rates[0], 0.0), length(rates[1], 0.0)];
         let mut after = family.clone();
