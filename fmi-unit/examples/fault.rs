@@ -46,6 +46,7 @@ static MODEL: Model = Model {
     states: &[],
     derivatives: &[],
     model_exchange: false,
+    directional_derivatives: false,
     log_categories: &["logStatusError", "logStatusWarning", "logStatusFatal"],
 };
 

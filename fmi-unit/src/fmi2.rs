@@ -26,6 +26,7 @@ use crate::instance::{Instance, Interface};
 use crate::legality::{ALWAYS, Mode, fmi2 as table};
 use crate::logger::Logger;
 use crate::pointer::{slice, slice_mut, string, target};
+use crate::sensitivity::Product;
 use crate::step::Progress;
 use crate::unit::{Failure, Unit};
 
@@ -175,15 +176,18 @@ pub unsafe fn fmi2DeSerializeFMUstate<U: Unit>(
 
 pub unsafe fn fmi2GetDirectionalDerivative<U: Unit>(
     c: fmi2Component,
-    _unknowns: *const fmi2ValueReference,
-    _n_unknowns: usize,
-    _knowns: *const fmi2ValueReference,
-    _n_knowns: usize,
-    _seed: *const fmi2Real,
-    _sensitivity: *mut fmi2Real,
+    unknowns: *const fmi2ValueReference,
+    n_unknowns: usize,
+    knowns: *const fmi2ValueReference,
+    n_knowns: usize,
+    seed: *const fmi2Real,
+    sensitivity: *mut fmi2Real,
 ) -> fmi2Status {
-    let name = "fmi2GetDirectionalDerivative";
-    unsafe { common::undeclared::<U>(c, name, true, "the directional derivative") }
+    let call = ("fmi2GetDirectionalDerivative", &table::DERIVATIVE);
+    let references = [(unknowns, n_unknowns), (knowns, n_knowns)];
+    let (seed, sensitivity) = ((seed, n_knowns), (sensitivity, n_unknowns));
+    let product = Product::Directional;
+    unsafe { common::sensitivity::<U>(c, call, product, references, seed, sensitivity, Elements) }
 }
 
 pub unsafe fn fmi2NewDiscreteStates<U: Unit>(

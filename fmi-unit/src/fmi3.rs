@@ -27,6 +27,7 @@ use crate::legality::fmi3 as table;
 use crate::logger::Logger;
 use crate::model::Variables;
 use crate::pointer::{slice, slice_mut, string, target};
+use crate::sensitivity::Product;
 use crate::unit::{Failure, Unit};
 
 mod absent;
@@ -348,6 +349,27 @@ fill! {
     fmi3GetContinuousStateDerivatives: |i, values| i.get_derivatives(values);
     fmi3GetNominalsOfContinuousStates: |i, values| i.get_nominals(values);
     fmi3GetEventIndicators: |i, values| i.get_event_indicators(values);
+}
+
+macro_rules! derivative {
+    ($($name:ident: $product:ident;)+) => {$(
+        pub unsafe fn $name<U: Unit>(
+            instance: fmi3Instance, unknowns: *const fmi3ValueReference, n_unknowns: usize,
+            knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize,
+            sensitivity: *mut fmi3Float64, n_sensitivity: usize,
+        ) -> fmi3Status {
+            let call = (stringify!($name), &table::DERIVATIVE);
+            let references = [(unknowns, n_unknowns), (knowns, n_knowns)];
+            let (seed, sensitivity) = ((seed, n_seed), (sensitivity, n_sensitivity));
+            let (product, addressing) = (Product::$product, Addressing::Variables);
+            unsafe { common::sensitivity::<U>(instance, call, product, references, seed, sensitivity, addressing) }
+        }
+    )+};
+}
+
+derivative! {
+    fmi3GetDirectionalDerivative: Directional;
+    fmi3GetAdjointDerivative: Adjoint;
 }
 
 /// Functions that tell a number that is known before the simulation.

@@ -8,6 +8,7 @@ use crate::legality::{Mode, Row, Verdict};
 use crate::log::{Log, Severity};
 use crate::logger::{ERROR, Logger, WARNING};
 use crate::model::{Model, Variables};
+use crate::sensitivity::Columns;
 use crate::unit::{Failure, Unit};
 
 /// What the importer uses an instance for.
@@ -61,6 +62,8 @@ pub(crate) struct Instance<U: Unit> {
     pub(crate) unit: Option<U>,
     /// Model Exchange: continuous states before and after an event.
     pub(crate) states: [Box<[f64]>; 2],
+    /// If derivatives are declared.
+    pub(crate) columns: Option<Box<Columns<U::Variables>>>,
     /// Functions whose call out of order has been reported; once each is enough.
     reported: Vec<&'static str>,
 }
@@ -94,6 +97,7 @@ impl<U: Unit> Instance<U> {
             intermediate_update: None,
             unit: None,
             states: [zeros(), zeros()],
+            columns: model.directional_derivatives.then(Columns::new),
             reported: Vec::new(),
         })
     }

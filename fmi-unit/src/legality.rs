@@ -109,6 +109,7 @@ pub(crate) mod fmi2 {
     pub(crate) const SET_TIME:             Row = row("~ ~ - + + - - -");
     pub(crate) const SET_STATES:           Row = row("- - - ~ + - - -");
     pub(crate) const GET_STATES:           Row = row("~ + - + + - ~ -");
+    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - + -");
     pub(crate) const DO_STEP:              Row = row("- - + - - - - -");
 }
 
@@ -139,5 +140,6 @@ pub(crate) mod fmi3 {
     pub(crate) const SET_STATES:           Row = row("- - - ~ + - - -");
     pub(crate) const GET_STATES:           Row = row("~ + - + + - ~ -");
     pub(crate) const COUNTS:               Row = row("+ + + + + - + +");
+    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - + -");
     pub(crate) const DO_STEP:              Row = row("- - + - - - - -");
 }

@@ -17,6 +17,7 @@ mod instance;
 mod legality;
 mod logger;
 mod pointer;
+mod sensitivity;
 mod snapshot;
 mod step;
 

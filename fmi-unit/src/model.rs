@@ -81,6 +81,8 @@ pub struct Model {
     pub derivatives: &'static [u32],
     /// Whether Model Exchange is declared.
     pub model_exchange: bool,
+    /// Whether directional and adjoint derivatives are declared.
+    pub directional_derivatives: bool,
     /// Names of the log categories.
     pub log_categories: &'static [&'static str],
 }

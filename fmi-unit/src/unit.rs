@@ -93,6 +93,18 @@ pub trait Unit: Sized + Send + 'static {
         let _ = (variables, derivatives);
     }
 
+    /// If declared: the derivatives of continuous outputs and of the states' derivatives in a direction, at
+    /// the present states and inputs. `direction` and `tangent` hold both in the variables themselves;
+    /// all of `direction` is zero but states and continuous inputs.
+    fn tangent(
+        &self,
+        variables: &Self::Variables,
+        direction: &Self::Variables,
+        tangent: &mut Self::Variables,
+    ) {
+        let _ = (variables, direction, tangent);
+    }
+
     /// Model Exchange: the importer's solver completed a step that ended at `time` \[s\]. Returns
     /// whether an event must be handled there.
     fn completed_step(&mut self, variables: &Self::Variables, time: f64) -> bool {

@@ -78,10 +78,11 @@ fn interface(out: &mut String, tag: &str, i: &Interface, flags: &str) -> fmt::Re
     writeln!(
         out,
         "  <{tag} modelIdentifier=\"{}\" canGetAndSetFMUstate=\"{}\" canSerializeFMUstate=\"{}\" \
-         canNotUseMemoryManagementFunctions=\"true\"{flags}/>",
+         canNotUseMemoryManagementFunctions=\"true\" providesDirectionalDerivative=\"{}\"{flags}/>",
         escape(&i.model_identifier),
         i.can_get_and_set_state,
         i.can_serialize_state,
+        i.provides_directional_derivatives,
     )
 }
 

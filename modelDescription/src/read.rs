@@ -169,6 +169,8 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
         "modelIdentifier",
         "canGetAndSetFMUState",
         "canSerializeFMUState",
+        "providesDirectionalDerivatives",
+        "providesAdjointDerivatives",
     ];
     known.extend_from_slice(if node.has_tag_name("ModelExchange") {
         &["needsCompletedIntegratorStep"]
@@ -189,6 +191,8 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
         can_serialize_state: r.flag(node, "canSerializeFMUState"),
         needs_completed_integrator_step: r.flag(node, "needsCompletedIntegratorStep"),
         can_handle_variable_step: r.flag(node, "canHandleVariableCommunicationStepSize"),
+        provides_directional_derivatives: r.flag(node, "providesDirectionalDerivatives"),
+        provides_adjoint_derivatives: r.flag(node, "providesAdjointDerivatives"),
         line: r.line(node),
     }
 }

@@ -117,6 +117,8 @@ fn model(out: &mut String, d: &ModelDescription) {
     let derivatives: Vec<_> = d.derivatives.iter().map(|u| u.value_reference).collect();
     line!(out, "    derivatives: &{derivatives:?},");
     line!(out, "    model_exchange: {},", d.model_exchange.is_some());
+    let derivatives = d.interfaces().any(|i| i.provides_directional_derivatives);
+    line!(out, "    directional_derivatives: {derivatives},");
     let categories: Vec<_> = d.log_categories.iter().map(|c| &c.name).collect();
     line!(out, "    log_categories: &{categories:?},");
     line!(out, "}};");

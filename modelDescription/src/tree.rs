@@ -52,6 +52,11 @@ impl ModelDescription {
             .find(|v| v.value_reference == value_reference)
     }
 
+    /// The interfaces that are offered.
+    pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
+        self.model_exchange.iter().chain(&self.co_simulation)
+    }
+
     /// The enumeration type of a variable, if it has one.
     pub fn declared_type(&self, variable: &Variable) -> Option<&EnumerationType> {
         let name = variable.declared_type.as_deref()?;
@@ -75,6 +80,8 @@ pub struct Interface {
     pub can_serialize_state: bool,
     pub needs_completed_integrator_step: bool,
     pub can_handle_variable_step: bool,
+    pub provides_directional_derivatives: bool,
+    pub provides_adjoint_derivatives: bool,
     pub line: u32,
 }
 

@@ -33,12 +33,6 @@ absent! {
     fmi3GetVariableDependencies(
         dependent: fmi3ValueReference, element_indices_of_dependent: *mut usize, independents: *mut fmi3ValueReference, element_indices_of_independents: *mut usize, dependency_kinds: *mut fmi3DependencyKind, n_dependencies: usize
     ): true, "the inquiry of dependencies";
-    fmi3GetDirectionalDerivative(
-        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
-    ): true, "the directional derivative";
-    fmi3GetAdjointDerivative(
-        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
-    ): true, "the adjoint derivative";
     fmi3EnterConfigurationMode(): true, "Configuration Mode";
     fmi3ExitConfigurationMode(): true, "Configuration Mode";
     fmi3GetIntervalDecimal(

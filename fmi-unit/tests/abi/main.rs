@@ -12,6 +12,7 @@ mod legality;
 mod lifecycle;
 mod logging;
 mod properties;
+mod sensitivity;
 mod session;
 mod states;
 mod steps;

@@ -225,6 +225,36 @@ impl Session {
         )
     }
 
+    /// `[unknowns, knowns]`.
+    pub fn directional(&self, [u, k]: [&[u32]; 2], seed: &[f64], out: &mut [f64]) -> c_int {
+        let (unknowns, knowns, p, n) = (u.as_ptr(), k.as_ptr(), seed.as_ptr(), seed.len());
+        let (result, m) = (out.as_mut_ptr(), out.len());
+        both!(
+            self,
+            fmi2GetDirectionalDerivative(unknowns, u.len(), knowns, k.len(), p, result),
+            fmi3GetDirectionalDerivative(unknowns, u.len(), knowns, k.len(), p, n, result, m)
+        )
+    }
+
+    /// `[unknowns, knowns]`; FMI 3.0 alone has it.
+    pub fn adjoint(&self, [u, k]: [&[u32]; 2], seed: &[f64], out: &mut [f64]) -> c_int {
+        let (unknowns, knowns, p, n) = (u.as_ptr(), k.as_ptr(), seed.as_ptr(), seed.len());
+        let (result, m) = (out.as_mut_ptr(), out.len());
+        unsafe {
+            fmi3::fmi3GetAdjointDerivative::<Toy>(
+                self.handle,
+                unknowns,
+                u.len(),
+                knowns,
+                k.len(),
+                p,
+                n,
+                result,
+                m,
+            )
+        }
+    }
+
     pub fn get_derivatives(&self, x: &mut [f64]) -> c_int {
         let (p, n) = (x.as_mut_ptr(), x.len());
         both!(

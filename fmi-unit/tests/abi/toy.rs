@@ -172,6 +172,7 @@ static MODEL: Model = Model {
     states: &[X],
     derivatives: &[3],
     model_exchange: true,
+    directional_derivatives: true,
     log_categories: &[
         "logStatusError",
         "logStatusWarning",
@@ -375,6 +376,12 @@ impl Unit for Toy {
 
     fn derivatives(&self, v: &ToyVariables, derivatives: &mut [f64]) {
         derivatives[0] = self.derivative(v.u);
+    }
+
+    fn tangent(&self, _: &ToyVariables, direction: &ToyVariables, tangent: &mut ToyVariables) {
+        tangent.x = direction.x;
+        tangent.der_x = (direction.u - direction.x) / self.tau;
+        tangent.twice = 2.0 * direction.u;
     }
 
     fn completed_step(&mut self, _: &ToyVariables, _: f64) -> bool {

@@ -1,12 +1,14 @@
 //! Rules for units, types and variables.
 
 use crate::names::{group_type, is_camel_case, is_snake_case, path};
-use crate::tree::{Causality, Initial, Kind, ModelDescription, Unit, Value, Variability, Variable};
+use crate::tree::{
+    Causality, Initial, Interface, Kind, ModelDescription, Unit, Value, Variability, Variable,
+};
 use crate::xml::{Reader, f64_text};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
-    for interface in d.model_exchange.iter().chain(&d.co_simulation) {
+    for interface in d.interfaces() {
         if interface.model_identifier != d.name {
             let identifier = &interface.model_identifier;
             let name = &d.name;
@@ -19,6 +21,7 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
     if d.model_exchange.is_none() && d.co_simulation.is_none() {
         r.report(1, "neither `ModelExchange` nor `CoSimulation` is offered");
     }
+    derivatives(d, r);
     experiment(d, r);
     unique(r, "unit", d.units.iter().map(|u| (&*u.name, u.line)));
     let categories = d.log_categories.iter().map(|c| (&*c.name, c.line));
@@ -42,6 +45,23 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
                 format_args!("variable {}: {message}", variable.name),
             );
         }
+    }
+}
+
+/// A unit has both kinds of derivatives in every interface, or none.
+fn derivatives(d: &ModelDescription, r: &mut Reader) {
+    let flags = |i: &Interface| {
+        [
+            i.provides_directional_derivatives,
+            i.provides_adjoint_derivatives,
+        ]
+    };
+    let declared: Vec<_> = d.interfaces().flat_map(flags).collect();
+    if let Some(last) = d.interfaces().last()
+        && declared.iter().any(|flag| *flag != declared[0])
+    {
+        let message = "providesDirectionalDerivatives and providesAdjointDerivatives must be the same everywhere";
+        r.report(last.line, message);
     }
 }
 
