@@ -115,7 +115,7 @@ def test_dependencies_cover_the_truth_and_no_more(point):
 
 
 def test_initial_unknowns_by_every_parameter(version):
-    """In Initialization Mode what depends on a parameter is declared, and its derivative is the difference."""
+    """In Initialization Mode what depends on a parameter is declared; its derivative is the difference."""
     with CoSimulation(fmu(version, "FlexArmPlant")) as plant:
         plant.configure(parameters("tflex") | {"initial.velocity": "0.7", "initial.thermal_load": "3"})
         unknowns = [n for n in UNKNOWNS if n != "hysteresis_state"]
