@@ -45,6 +45,10 @@ static MODEL: Model = Model {
     ],
     states: &[],
     derivatives: &[],
+    event_indicators: &[],
+    clocks: &[],
+    event_mode: false,
+    scheduled_execution: false,
     model_exchange: false,
     directional_derivatives: false,
     log_categories: &["logStatusError", "logStatusWarning", "logStatusFatal"],
@@ -76,6 +80,7 @@ pub struct Fault;
 impl Unit for Fault {
     type Variables = FaultVariables;
     type State = ();
+    type Job = ();
 
     fn initial_outputs(_: &mut FaultVariables) {}
 

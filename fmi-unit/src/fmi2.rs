@@ -104,8 +104,8 @@ plain! {
     fmi2ExitInitializationMode, EXIT_INITIALIZATION: |i| i.exit_initialization();
     fmi2Terminate, TERMINATE: |i| { i.terminate(); Ok(()) };
     fmi2Reset, RESET: |i| { i.reset(); Ok(()) };
-    fmi2EnterEventMode, ENTER_EVENT_MODE: |i| { i.enter_event_mode(); Ok(()) };
-    fmi2EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| { i.enter_continuous_time(); Ok(()) };
+    fmi2EnterEventMode, ENTER_EVENT_MODE: |i| i.enter_event_mode();
+    fmi2EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| i.enter_continuous_time();
 }
 
 macro_rules! variables {
@@ -306,8 +306,8 @@ pub unsafe fn fmi2DoStep<U: Unit>(
 ) -> fmi2Status {
     unsafe {
         call::<U>(c, "fmi2DoStep", &table::DO_STEP, |i| {
-            let step = i.begin_step(point, size)?;
-            while let Progress::Event(_) = i.proceed(&step)? {}
+            let mut step = i.begin_step(point, size)?;
+            while let Progress::Event(_) = i.proceed(&mut step)? {}
             Ok(())
         })
     }

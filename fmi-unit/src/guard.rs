@@ -3,6 +3,7 @@
 //! A panic must not cross into the importer, which is C: it becomes status Fatal and a log message,
 //! and the instance is poisoned, so that no later call can see the state that the panic left behind.
 
+use fmi_abi::fmi3::{fmi3LockPreemptionCallback, fmi3UnlockPreemptionCallback};
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
@@ -29,9 +30,17 @@ const IDLE: u8 = 0;
 const BUSY: u8 = 1;
 const POISONED: u8 = 2;
 
+/// Callbacks of an importer that preempts one partition by another (FMI 3.0 sec 5.2.1).
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Preemption {
+    pub(crate) lock: fmi3LockPreemptionCallback,
+    pub(crate) unlock: fmi3UnlockPreemptionCallback,
+}
+
 /// What an instance pointer points to.
 pub(crate) struct Handle<U: Unit> {
     occupancy: AtomicU8,
+    preemption: Preemption,
     instance: UnsafeCell<Instance<U>>,
 }
 
@@ -78,6 +87,26 @@ pub(crate) unsafe fn enter<U: Unit, T>(
     }
 }
 
+/// Carries out `body` while the importer lets no other partition in.
+///
+/// # Safety
+/// As for [`enter`]; the importer's callbacks are still valid.
+pub(crate) unsafe fn uninterrupted<U: Unit, T>(handle: *mut c_void, body: impl FnOnce() -> T) -> T {
+    // SAFETY: by contract; nobody writes to these fields.
+    let handle = unsafe { handle.cast::<Handle<U>>().as_ref() };
+    let Preemption { lock, unlock } = handle.map(|h| h.preemption).unwrap_or_default();
+    if let Some(lock) = lock {
+        // SAFETY: called as the standard says.
+        unsafe { lock() }
+    }
+    let outcome = body();
+    if let Some(unlock) = unlock {
+        // SAFETY: likewise.
+        unsafe { unlock() }
+    }
+    outcome
+}
+
 /// [`enter`] for a body whose result is nothing but success.
 ///
 /// # Safety
@@ -102,6 +131,7 @@ pub(crate) fn create<U: Unit>(
     let outcome = catch_unwind(AssertUnwindSafe(|| match make(&mut logger) {
         Ok(instance) => Box::into_raw(Box::new(Handle {
             occupancy: AtomicU8::new(IDLE),
+            preemption: instance.preemption,
             instance: UnsafeCell::new(instance),
         })),
         Err(Failure(reason)) => {

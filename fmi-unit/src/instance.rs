@@ -3,7 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::clock::Ticks;
 use crate::fmi3::IntermediateUpdate;
+use crate::guard::Preemption;
 use crate::legality::{Mode, Row, Verdict};
 use crate::log::{Log, Severity};
 use crate::logger::{ERROR, Logger, WARNING};
@@ -16,6 +18,9 @@ use crate::unit::{Failure, Unit};
 pub(crate) enum Interface {
     ModelExchange,
     CoSimulation,
+    /// Co-Simulation whose importer uses Event Mode (FMI 3.0 sec 4.2.1).
+    EventfulCoSimulation,
+    ScheduledExecution,
 }
 
 /// Everything that changes and is not the unit's own; a snapshot holds it as it is.
@@ -33,6 +38,10 @@ pub(crate) struct Situation<V: Variables> {
     pub(crate) variables: V,
     /// Inputs, states or parameters changed since the outputs were made.
     pub(crate) stale: bool,
+    /// Clocks that the importer has activated for the event at hand.
+    pub(crate) ticks: Ticks,
+    /// The importer ticks clocks, so that there are no time events.
+    pub(crate) clocked: bool,
     /// Model Exchange: the unit asked for an event at the end of a completed integrator step.
     pub(crate) step_event: bool,
 }
@@ -48,6 +57,8 @@ impl<V: Variables> Situation<V> {
             variables: V::default(),
             stale: true,
             step_event: false,
+            ticks: Ticks::default(),
+            clocked: false,
         }
     }
 }
@@ -58,6 +69,10 @@ pub(crate) struct Instance<U: Unit> {
     pub(crate) now: Situation<U::Variables>,
     /// FMI 3.0 Co-Simulation: whom to call at events inside a step.
     pub(crate) intermediate_update: Option<IntermediateUpdate>,
+    /// FMI 3.0 Co-Simulation: whether a step may end before its time.
+    pub(crate) early_return_allowed: bool,
+    /// FMI 3.0 Scheduled Execution.
+    pub(crate) preemption: Preemption,
     /// Exists from the end of initialization on.
     pub(crate) unit: Option<U>,
     /// Model Exchange: continuous states before and after an event.
@@ -87,14 +102,22 @@ impl<U: Unit> Instance<U> {
                 model.token
             )));
         }
-        if interface == Interface::ModelExchange && !model.model_exchange {
-            return Err(Failure(format!("{} has no Model Exchange", model.name)));
+        let (has, what) = match interface {
+            Interface::ModelExchange => (model.model_exchange, "Model Exchange"),
+            Interface::CoSimulation => (true, "Co-Simulation"),
+            Interface::EventfulCoSimulation => (model.event_mode, "Event Mode in Co-Simulation"),
+            Interface::ScheduledExecution => (model.scheduled_execution, "Scheduled Execution"),
+        };
+        if !has {
+            return Err(Failure(format!("{} has no {what}", model.name)));
         }
         let zeros = || vec![0.0; model.states.len()].into_boxed_slice();
         Ok(Self {
             logger: logger.clone(),
             now: Situation::new(interface),
             intermediate_update: None,
+            early_return_allowed: false,
+            preemption: Preemption::default(),
             unit: None,
             states: [zeros(), zeros()],
             columns: model.directional_derivatives.then(Columns::new),
@@ -172,7 +195,8 @@ impl<U: Unit> Instance<U> {
         now.stale = true;
         now.mode = match now.interface {
             Interface::CoSimulation => Mode::Step,
-            Interface::ModelExchange => Mode::Event,
+            Interface::ModelExchange | Interface::EventfulCoSimulation => Mode::Event,
+            Interface::ScheduledExecution => Mode::ClockActivation,
         };
         Ok(())
     }

@@ -9,6 +9,7 @@ pub mod model;
 pub mod unit;
 
 mod access;
+mod clock;
 mod common;
 mod exchange;
 mod export;
@@ -29,6 +30,7 @@ pub mod fmi3;
 #[doc(hidden)]
 pub use fmi_abi as abi;
 
+pub use clock::Ticks;
 pub use log::{Log, Severity};
 pub use model::{Causality, Kind, Model, Values, ValuesMut, Variability, Variable, Variables};
 pub use unit::{Failure, Unit};

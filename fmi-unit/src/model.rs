@@ -79,8 +79,16 @@ pub struct Model {
     pub states: &'static [u32],
     /// Value references of their derivatives, in the same order.
     pub derivatives: &'static [u32],
+    /// Value references of the event indicators, continuous variables each.
+    pub event_indicators: &'static [u32],
+    /// Value references and names of the input clocks, by ascending value reference.
+    pub clocks: &'static [(u32, &'static str)],
     /// Whether Model Exchange is declared.
     pub model_exchange: bool,
+    /// Whether Co-Simulation has an Event Mode.
+    pub event_mode: bool,
+    /// Whether Scheduled Execution is declared.
+    pub scheduled_execution: bool,
     /// Whether directional and adjoint derivatives are declared.
     pub directional_derivatives: bool,
     /// Names of the log categories.

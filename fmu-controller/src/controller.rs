@@ -37,6 +37,7 @@ impl Clock for WallClock {
 impl Unit for Controller {
     type Variables = Variables;
     type State = State;
+    type Job = ();
 
     /// Before the first sample there is no torque, and the reference rests at the measured angle.
     fn initial_outputs(variables: &mut Variables) {

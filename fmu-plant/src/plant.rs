@@ -83,6 +83,7 @@ impl Plant {
 impl Unit for Plant {
     type Variables = Variables;
     type State = State;
+    type Job = ();
 
     fn initial_outputs(variables: &mut Variables) {
         let (arm, motor, _) = parameters(variables);

@@ -31,7 +31,8 @@ fn document(out: &mut String, d: &ModelDescription) -> fmt::Result {
     }
     write!(out, "\n    variableNamingConvention=\"structured\"")?;
     if d.model_exchange.is_some() {
-        write!(out, " numberOfEventIndicators=\"0\"")?;
+        let count = d.event_indicators.len();
+        write!(out, " numberOfEventIndicators=\"{count}\"")?;
     }
     writeln!(out, ">")?;
     if let Some(me) = &d.model_exchange {

@@ -23,10 +23,6 @@ absent! {
     fmi3SetBinary(
         references: *const fmi3ValueReference, n: usize, value_sizes: *const usize, values: *const fmi3Binary, n_values: usize
     ): n > 0, "a binary variable";
-    fmi3GetClock(references: *const fmi3ValueReference, n: usize, values: *mut fmi3Clock): n > 0, "a clock";
-    fmi3SetClock(
-        references: *const fmi3ValueReference, n: usize, values: *const fmi3Clock
-    ): n > 0, "a clock";
     fmi3GetNumberOfVariableDependencies(
         reference: fmi3ValueReference, n_dependencies: *mut usize
     ): true, "the inquiry of dependencies";
@@ -35,36 +31,26 @@ absent! {
     ): true, "the inquiry of dependencies";
     fmi3EnterConfigurationMode(): true, "Configuration Mode";
     fmi3ExitConfigurationMode(): true, "Configuration Mode";
-    fmi3GetIntervalDecimal(
-        references: *const fmi3ValueReference, n: usize, intervals: *mut fmi3Float64, qualifiers: *mut fmi3IntervalQualifier
-    ): n > 0, "a clock";
     fmi3GetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier
-    ): n > 0, "a clock";
-    fmi3GetShiftDecimal(
-        references: *const fmi3ValueReference, n: usize, shifts: *mut fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3GetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3SetIntervalDecimal(
         references: *const fmi3ValueReference, n: usize, intervals: *const fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3SetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3SetShiftDecimal(
         references: *const fmi3ValueReference, n: usize, shifts: *const fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3SetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
     fmi3EvaluateDiscreteStates(): true, "the evaluation of discrete states outside events";
-    fmi3EnterStepMode(): true, "Event Mode in Co-Simulation";
     fmi3GetOutputDerivatives(
         references: *const fmi3ValueReference, n: usize, orders: *const fmi3Int32, values: *mut fmi3Float64, n_values: usize
     ): n > 0, "the derivative of an output";
-    fmi3ActivateModelPartition(
-        clock_reference: fmi3ValueReference, activation_time: fmi3Float64
-    ): true, "Scheduled Execution";
 }

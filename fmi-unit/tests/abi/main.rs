@@ -6,6 +6,7 @@
 
 mod allocation;
 mod binary;
+mod clocks;
 mod exchange;
 mod importer;
 mod legality;

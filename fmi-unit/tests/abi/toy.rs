@@ -1,10 +1,11 @@
 //! The unit under test: a lag x' = (u − x)/τ whose input is sampled by a clock, with ways to fail.
 
 use fmi_unit::{
-    Causality, Failure, Kind, Log, Model, Severity, Unit, Values, ValuesMut, Variability, Variable,
-    Variables,
+    Causality, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values, ValuesMut, Variability,
+    Variable, Variables,
 };
 use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
 use std::slice::{from_mut, from_ref};
 
 pub const TIME: u32 = 0;
@@ -20,6 +21,13 @@ pub const TAU: u32 = 21;
 pub const SEED: u32 = 22;
 pub const BIAS: u32 = 23;
 pub const TWICE: u32 = 24;
+pub const FAST: u32 = 30;
+pub const SLOW: u32 = 31;
+
+thread_local! {
+    /// What happens on this thread while the partition of `slow` works.
+    pub static WORK: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
+}
 
 /// Values of `behaviour`.
 pub const NORMAL: i64 = 1;
@@ -171,6 +179,10 @@ static MODEL: Model = Model {
     ],
     states: &[X],
     derivatives: &[3],
+    event_indicators: &[TWICE],
+    clocks: &[(FAST, "fast"), (SLOW, "slow")],
+    event_mode: true,
+    scheduled_execution: true,
     model_exchange: true,
     directional_derivatives: true,
     log_categories: &[
@@ -257,6 +269,7 @@ impl Drop for Toy {
 impl Unit for Toy {
     type Variables = ToyVariables;
     type State = ToyState;
+    type Job = f64;
 
     fn initial_outputs(v: &mut ToyVariables) {
         v.x = v.bias;
@@ -337,6 +350,61 @@ impl Unit for Toy {
             "logEvents",
             format_args!("sample at {time} s"),
         );
+        Ok(())
+    }
+
+    /// `fast` samples every `period`, `slow` ten times less often.
+    fn clock_interval(v: &ToyVariables, clock: usize) -> f64 {
+        v.period * [1.0, 10.0][clock]
+    }
+
+    /// `slow` jumps before `fast` samples.
+    fn tick(
+        &mut self,
+        v: &mut ToyVariables,
+        ticks: Ticks,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        if ticks.contains(1) {
+            self.state.x += self.gain[0];
+        }
+        if ticks.contains(0) {
+            self.activate(v, 0, time, log)?;
+        }
+        Ok(())
+    }
+
+    /// `fast` samples at once; `slow` looks at u, works, and sets x.
+    fn activate(
+        &mut self,
+        v: &mut ToyVariables,
+        clock: usize,
+        time: f64,
+        _: &mut Log<'_>,
+    ) -> Result<Option<f64>, Failure> {
+        if v.behaviour == FAIL_IN_EVENT {
+            return Err(Failure(format!("told to fail at {time} s")));
+        }
+        if clock == 1 {
+            return Ok(Some(v.u));
+        }
+        self.state.sampled = v.u;
+        self.state.samples += 1;
+        Ok(None)
+    }
+
+    fn work(job: &mut f64) {
+        WORK.with_borrow_mut(|work| {
+            if let Some(work) = work {
+                work();
+            }
+        });
+        *job *= 2.0;
+    }
+
+    fn complete(&mut self, _: &mut ToyVariables, job: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        self.state.x = job;
         Ok(())
     }
 
