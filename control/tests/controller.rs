@@ -60,7 +60,7 @@ fn one_sample_is_the_sum_of_its_parts() {
     let second = controller.sample(1.3001, 1.35);
 
     let u = first.reference.acceleration;
-    assert_eq!(u, controller.plan().moves[0]);
+    assert_eq!(u, controller.plan().expect("at hand").moves[0]);
     assert!(u > 1.0);
     assert_eq!(second.reference.angle, 1.30 + 0.5 * u * h * h);
     assert_eq!(second.reference.velocity, u * h);
@@ -281,7 +281,7 @@ fn snapshot_continues_to_the_bit() {
                 let expected = original.step(setpoint(k), 0.0);
                 let got = resumed.step(setpoint(k), 0.0);
                 assert_eq!(got, expected, "{name}, {saved_at}, {k}");
-                conic += original.controller.plan().iterations;
+                conic += original.controller.plan().expect("at hand").iterations;
             }
             assert_eq!(original.controller.state(), resumed.controller.state());
         }

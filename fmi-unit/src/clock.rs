@@ -1,10 +1,11 @@
-//! Input clocks of FMI 3.0 (sec 2.2.8): the importer ticks them, in intervals that follow from parameters.
+//! Input clocks of FMI 3.0 (sec 2.2.8): the importer ticks them, in intervals that are parameters.
 //!
 //! An importer that ticks no clock gets the same unit, driven by its time events. With the first tick the
 //! importer takes over, and time events are no more.
 
 use serde::{Deserialize, Serialize};
 
+use crate::access::check_parameters;
 use crate::instance::Instance;
 use crate::model::Variables;
 use crate::unit::{Failure, Unit};
@@ -42,7 +43,7 @@ fn bit(index: usize) -> u64 {
 pub(crate) fn locate<U: Unit>(reference: u32) -> Result<usize, Failure> {
     let clocks = U::Variables::MODEL.clocks;
     clocks
-        .binary_search_by_key(&reference, |&(reference, _)| reference)
+        .binary_search_by_key(&reference, |clock| clock.value_reference)
         .map_err(|_| Failure(format!("value reference {reference} is no clock")))
 }
 
@@ -61,6 +62,19 @@ impl<U: Unit> Instance<U> {
     /// Whether each clock is active.
     pub(crate) fn get_clock(&self, reference: u32) -> Result<bool, Failure> {
         Ok(self.now.ticks.contains(locate::<U>(reference)?))
+    }
+
+    /// Fixes the interval of a clock \[s\]: of the parameter that it follows from.
+    pub(crate) fn set_interval(&mut self, reference: u32, interval: f64) -> Result<(), Failure> {
+        let clock = locate::<U>(reference)?;
+        let before = U::clock_interval(&self.now.variables, clock);
+        U::set_clock_interval(&mut self.now.variables, clock, interval);
+        let outcome = check_parameters(&self.now.variables);
+        if outcome.is_err() {
+            U::set_clock_interval(&mut self.now.variables, clock, before);
+        }
+        self.now.stale = true;
+        outcome
     }
 
     /// Interval of a clock \[s\].

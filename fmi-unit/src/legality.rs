@@ -148,6 +148,7 @@ pub(crate) mod fmi3 {
     pub(crate) const ENTER_STEP_MODE:      Row = row("- - ~ + - - - - -");
     pub(crate) const CLOCK:                Row = row("- - - + - - - - -");
     pub(crate) const INTERVAL:             Row = row("- + ~ + ~ - + - -");
+    pub(crate) const SET_INTERVAL:         Row = row("+ + - - - - - - -");
     pub(crate) const ACTIVATE:             Row = row("- - - - - - + - -");
     pub(crate) const DERIVATIVE:           Row = row("~ + + + + - - + -");
     pub(crate) const DO_STEP:              Row = row("- - + - - - - - -");

@@ -32,5 +32,7 @@ pub use fmi_abi as abi;
 
 pub use clock::Ticks;
 pub use log::{Log, Severity};
-pub use model::{Causality, Kind, Model, Values, ValuesMut, Variability, Variable, Variables};
+pub use model::{
+    Causality, Clock, Kind, Model, Values, ValuesMut, Variability, Variable, Variables,
+};
 pub use unit::{Failure, Unit};

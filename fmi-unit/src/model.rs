@@ -66,6 +66,17 @@ pub struct Variable {
     pub items: &'static [(i64, &'static str)],
 }
 
+/// One declared input clock, with an interval that parameters fix (FMI 3.0 sec 2.2.8).
+#[derive(Debug)]
+pub struct Clock {
+    /// Name, as in the description.
+    pub name: &'static str,
+    /// Value reference.
+    pub value_reference: u32,
+    /// Interval that the description declares, of the start values \[s\].
+    pub interval: f64,
+}
+
 /// One declared unit.
 #[derive(Debug)]
 pub struct Model {
@@ -81,8 +92,8 @@ pub struct Model {
     pub derivatives: &'static [u32],
     /// Value references of the event indicators, continuous variables each.
     pub event_indicators: &'static [u32],
-    /// Value references and names of the input clocks, by ascending value reference.
-    pub clocks: &'static [(u32, &'static str)],
+    /// The input clocks, by ascending value reference.
+    pub clocks: &'static [Clock],
     /// Whether Model Exchange is declared.
     pub model_exchange: bool,
     /// Whether Co-Simulation has an Event Mode.

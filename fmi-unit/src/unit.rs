@@ -73,6 +73,11 @@ pub trait Unit: Sized + Send + 'static {
         f64::NAN
     }
 
+    /// If clocks are declared: sets the parameter that is the interval.
+    fn set_clock_interval(variables: &mut Self::Variables, clock: usize, interval: f64) {
+        let _ = (variables, clock, interval);
+    }
+
     /// If clocks are declared: carries out what the importer makes happen at `time` \[s\].
     fn tick(
         &mut self,

@@ -86,10 +86,11 @@ impl Unit for Plant {
     type Job = ();
 
     fn initial_outputs(variables: &mut Variables) {
-        let (arm, motor, _) = parameters(variables);
+        let (arm, motor, limits) = parameters(variables);
         let motion = initial_motion(variables);
         let torque = motor.saturate(variables.torque);
         write_outputs(variables, &arm, &motor, &motion, torque);
+        write_margins(variables, &motor, &limits, &motion);
     }
 
     fn new(variables: &mut Variables, start: f64) -> Result<Self, Vec<Failure>> {
@@ -236,6 +237,7 @@ impl Unit for Plant {
             &self.state.motion,
             torque,
         );
+        write_margins(variables, &self.motor, &self.limits, &self.state.motion);
     }
 
     fn continuous_states(&self, states: &mut [f64]) {
@@ -309,6 +311,19 @@ fn write_outputs(
 ) {
     let d = plant::derivatives(arm, motor, motion, torque, variables.disturbance_torque);
     write_motion(variables, motor, motion, torque, &d);
+}
+
+/// The event indicators.
+fn write_margins(
+    variables: &mut Variables,
+    motor: &arm::Motor,
+    limits: &arm::Limits,
+    motion: &Motion,
+) {
+    let margin = &mut variables.margin;
+    margin.angle_lower = motion.angle - limits.angle_lower;
+    margin.angle_upper = limits.angle_upper - motion.angle;
+    margin.thermal_load = motor.thermal_limit() - motion.thermal_load;
 }
 
 /// Everything that is linear in motion, motor torque \[N·m\] and derivatives: values, or changes of them.

@@ -312,6 +312,7 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
             "variability",
             "description",
             "intervalVariability",
+            "intervalDecimal",
             "priority",
         ],
     );
@@ -319,7 +320,7 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
     for (attribute, value) in [
         ("causality", "input"),
         ("variability", "discrete"),
-        ("intervalVariability", "calculated"),
+        ("intervalVariability", "fixed"),
     ] {
         if node.attribute(attribute) != Some(value) {
             r.problem(
@@ -333,7 +334,9 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
         t.parse::<u32>().ok()
     });
     r.required(node, "valueReference");
+    r.required(node, "intervalDecimal");
     Some(Clock {
+        interval: r.number(node, "intervalDecimal").unwrap_or_default(),
         name: r.required(node, "name"),
         description: r.required(node, "description"),
         line: r.line(node),

@@ -119,12 +119,15 @@ fn model(out: &mut String, d: &ModelDescription) {
     let indicators = d.event_indicators.iter().map(|u| u.value_reference);
     let indicators: Vec<_> = indicators.collect();
     line!(out, "    event_indicators: &{indicators:?},");
-    let clocks: Vec<_> = d
-        .clocks
-        .iter()
-        .map(|c| (c.value_reference, &c.name))
-        .collect();
-    line!(out, "    clocks: &{clocks:?},");
+    line!(out, "    clocks: &[");
+    for c in &d.clocks {
+        line!(out, "        ::fmi_unit::Clock {{");
+        line!(out, "            name: {:?},", c.name);
+        line!(out, "            value_reference: {},", c.value_reference);
+        line!(out, "            interval: {},", number(c.interval));
+        line!(out, "        }},");
+    }
+    line!(out, "    ],");
     line!(out, "    model_exchange: {},", d.model_exchange.is_some());
     let event_mode = d.co_simulation.as_ref().is_some_and(|i| i.has_event_mode);
     line!(out, "    event_mode: {event_mode},");

@@ -321,7 +321,7 @@ impl Variable {
     }
 }
 
-/// An input clock that ticks in an interval which follows from parameters (FMI 3.0 sec 2.2.8).
+/// An input clock that ticks in an interval which is fixed when the unit is set up (FMI 3.0 sec 2.2.8).
 #[derive(Clone, Debug)]
 pub struct Clock {
     /// Name, as of a variable.
@@ -330,6 +330,8 @@ pub struct Clock {
     pub value_reference: u32,
     /// What happens when it ticks.
     pub description: String,
+    /// Interval that follows from the start values \[s\].
+    pub interval: f64,
     /// Line of its declaration.
     pub line: u32,
 }

@@ -33,22 +33,19 @@ absent! {
     fmi3ExitConfigurationMode(): true, "Configuration Mode";
     fmi3GetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3GetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
-    fmi3SetIntervalDecimal(
-        references: *const fmi3ValueReference, n: usize, intervals: *const fmi3Float64
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetShiftDecimal(
         references: *const fmi3ValueReference, n: usize, shifts: *const fmi3Float64
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "an interval of a clock that could be set, or as a fraction,";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3EvaluateDiscreteStates(): true, "the evaluation of discrete states outside events";
     fmi3GetOutputDerivatives(
         references: *const fmi3ValueReference, n: usize, orders: *const fmi3Int32, values: *mut fmi3Float64, n_values: usize

@@ -65,6 +65,29 @@ pub unsafe fn fmi3GetIntervalDecimal<U: Unit>(
     }
 }
 
+pub unsafe fn fmi3SetIntervalDecimal<U: Unit>(
+    instance: fmi3Instance,
+    references: *const fmi3ValueReference,
+    n: usize,
+    intervals: *const fmi3Float64,
+) -> fmi3Status {
+    unsafe {
+        call::<U>(
+            instance,
+            "fmi3SetIntervalDecimal",
+            &table::SET_INTERVAL,
+            |i| {
+                let references = slice(references, n, "value references")?;
+                let intervals = slice(intervals, n, "intervals")?;
+                for (&reference, &interval) in references.iter().zip(intervals) {
+                    i.set_interval(reference, interval)?;
+                }
+                Ok(())
+            },
+        )
+    }
+}
+
 /// The first tick is at the start.
 pub unsafe fn fmi3GetShiftDecimal<U: Unit>(
     instance: fmi3Instance,

@@ -120,6 +120,14 @@ fn intervals_follow_from_parameters() {
     assert_eq!(s.interval(SLOW), Ok([0.2, 0.0]));
     assert_eq!(s.interval(X), Err(ERROR));
     s.assert_error(&["value reference 2 is no clock"]);
+    // The other way round, within the range of the parameter.
+    assert_eq!(s.set_interval(SLOW, 5.0), OK);
+    assert_eq!(s.get(PERIOD), 0.5);
+    assert_eq!(s.set_interval(FAST, -1.0), ERROR);
+    s.assert_error(&["period = -1 s is outside [1e-6, 1e6] s"]);
+    assert_eq!((s.get(PERIOD), s.interval(FAST)), (0.5, Ok([0.5, 0.0])));
+    assert_eq!(s.exit_initialization(), OK);
+    assert_eq!(s.set_interval(FAST, 0.1), ERROR);
 }
 
 /// From its first tick on the importer alone makes events.

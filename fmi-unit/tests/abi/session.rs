@@ -150,6 +150,11 @@ impl Session {
         Ok(out)
     }
 
+    pub fn set_interval(&self, clock: u32, interval: f64) -> c_int {
+        let (clock, interval) = (&raw const clock, &raw const interval);
+        unsafe { fmi3::fmi3SetIntervalDecimal::<Toy>(self.handle, clock, 1, interval) }
+    }
+
     pub fn activate(&self, clock: u32, time: f64) -> c_int {
         unsafe { fmi3::fmi3ActivateModelPartition::<Toy>(self.handle, clock, time) }
     }

@@ -1,8 +1,8 @@
 //! The unit under test: a lag x' = (u − x)/τ whose input is sampled by a clock, with ways to fail.
 
 use fmi_unit::{
-    Causality, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values, ValuesMut, Variability,
-    Variable, Variables,
+    Causality, Clock, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values, ValuesMut,
+    Variability, Variable, Variables,
 };
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -103,6 +103,14 @@ const fn real(name: &'static str, value_reference: u32, causality: Causality) ->
     }
 }
 
+const fn clock(name: &'static str, value_reference: u32, interval: f64) -> Clock {
+    Clock {
+        name,
+        value_reference,
+        interval,
+    }
+}
+
 static MODEL: Model = Model {
     name: "Toy",
     token: "{toy}",
@@ -180,7 +188,7 @@ static MODEL: Model = Model {
     states: &[X],
     derivatives: &[3],
     event_indicators: &[TWICE],
-    clocks: &[(FAST, "fast"), (SLOW, "slow")],
+    clocks: &[clock("fast", FAST, 0.1), clock("slow", SLOW, 1.0)],
     event_mode: true,
     scheduled_execution: true,
     model_exchange: true,
@@ -356,6 +364,10 @@ impl Unit for Toy {
     /// `fast` samples every `period`, `slow` ten times less often.
     fn clock_interval(v: &ToyVariables, clock: usize) -> f64 {
         v.period * [1.0, 10.0][clock]
+    }
+
+    fn set_clock_interval(v: &mut ToyVariables, clock: usize, interval: f64) {
+        v.period = interval / [1.0, 10.0][clock];
     }
 
     /// `slow` jumps before `fast` samples.
