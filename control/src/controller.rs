@@ -4,6 +4,7 @@ use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal}
 
 use crate::feedback::{self, Feedback};
 use crate::latency::Prediction;
+use crate::nmpc::grid::Grid;
 use crate::nmpc::plan::{Plan, PlanStatus};
 use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
@@ -65,6 +66,8 @@ pub struct Controller {
     source: ReferenceSource,
     feedback: Feedback,
     profile: Profile,
+    /// Of the plans.
+    grid: Grid,
     /// None while a plan is made elsewhere.
     planning: Option<Box<Planning>>,
     /// Samples from the measurement of a plan until it is applied.
@@ -114,6 +117,7 @@ impl Controller {
         let prediction = (latency > 0.0 && nmpc.models_latency)
             .then(|| Prediction::new(arm, motor, &model, latency as usize, *sample_period));
         let state = State::new(*initial_thermal_load, planner.state());
+        let grid = planner.grid().clone();
         let planning = Planning {
             planner,
             prediction,
@@ -131,6 +135,7 @@ impl Controller {
                 max_acceleration: *profile_max_acceleration,
                 sample_period: *sample_period,
             },
+            grid,
             planning: Some(Box::new(planning)),
             latency: latency as u64,
             state,
@@ -258,6 +263,7 @@ impl Controller {
                     self.apply_pending();
                     new_plan = true;
                 }
+                self.go_on_if_late();
             }
             ReferenceSource::Profile => {
                 let state = &mut self.state;
@@ -318,7 +324,24 @@ impl Controller {
             state.reference.acceleration = pending.acceleration;
             state.goal = pending.goal;
             state.plan_status = pending.status;
+            state.in_force = state.samples;
         }
+    }
+
+    /// Where the next plan is not there in time the one in force goes on, to rest at its end.
+    fn go_on_if_late(&mut self) {
+        let state = &mut self.state;
+        let since = (state.samples - state.in_force) as f64;
+        let Some(age) = state.planner.age.filter(|_| since >= self.samples_per_plan) else {
+            return;
+        };
+        let period = self.samples_per_plan * self.sample_period;
+        let ago = f64::from(age) * period + since * self.sample_period;
+        match self.grid.move_at(&state.planner.moves, ago) {
+            Some(acceleration) => state.reference.acceleration = acceleration,
+            None => state.reference = Reference::at_rest(state.reference.angle),
+        }
+        state.plan_status = PlanStatus::ShiftedPlan;
     }
 
     /// Whether this is the first usable sample at or after the beginning of the next plan period.

@@ -58,6 +58,8 @@ pub struct State {
     pub(crate) origin: Origin,
     /// The plan that waits for its latency to go by.
     pub(crate) pending: Option<Pending>,
+    /// Number of the sample from which the plan in force applies.
+    pub(crate) in_force: u64,
     /// How the plan in force came to be.
     pub(crate) plan_status: PlanStatus,
     /// Reference of the next sample, with the move in force.
@@ -86,6 +88,7 @@ impl State {
             setpoint: None,
             next_plan: 0,
             origin: Origin::default(),
+            in_force: 0,
             pending: None,
             plan_status: PlanStatus::Idle,
             reference: Reference::default(),

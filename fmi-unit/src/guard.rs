@@ -30,6 +30,9 @@ const IDLE: u8 = 0;
 const BUSY: u8 = 1;
 const POISONED: u8 = 2;
 
+/// Attempts to get hold of an instance in Scheduled Execution; some 10 ms.
+const PATIENCE: u32 = 1 << 20;
+
 /// Callbacks of an importer that preempts one partition by another (FMI 3.0 sec 5.2.1).
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Preemption {
@@ -187,16 +190,27 @@ pub(crate) unsafe fn release<U: Unit>(handle: *mut c_void, name: &'static str) {
 }
 
 impl<U: Unit> Handle<U> {
+    /// Partitions that run on several processors meet here: each call waits for the other, which takes
+    /// microseconds. A callback that calls back would wait for itself, hence the bound.
     fn claim(&self) -> Result<(), Status> {
-        match self
-            .occupancy
-            // Acquire on failure too: who finds poison may free what the panic left.
-            .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Acquire)
-        {
-            Ok(_) => Ok(()),
-            Err(POISONED) => Err(Status::Fatal),
-            Err(_) => Err(Status::Error),
+        let patience = if self.preemption.lock.is_some() {
+            PATIENCE
+        } else {
+            0
+        };
+        for attempt in 0.. {
+            match self
+                .occupancy
+                // Acquire on failure too: who finds poison may free what the panic left.
+                .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Acquire)
+            {
+                Ok(_) => return Ok(()),
+                Err(POISONED) => return Err(Status::Fatal),
+                Err(_) if attempt < patience => std::hint::spin_loop(),
+                Err(_) => break,
+            }
         }
+        Err(Status::Error)
     }
 }
 
