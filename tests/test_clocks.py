@@ -75,17 +75,20 @@ class Preemptible(FMU3ScheduledExecution):
 
     def instantiate(self, visible=False, loggingOn=False, logMessage=None):
         """As FMPy does, with a lock between the threads of the partitions."""
-        lock = Lock()
+        mutex = Lock()
         self.unlocked = Event()
 
+        def lock():
+            mutex.acquire()
+
         def unlock():
-            lock.release()
+            mutex.release()
             self.unlocked.set()
 
         self.logMessage = fmi3LogMessageCallback(logMessage or printLogMessage)
         self.callbacks = [
             fmi3ClockUpdateCallback(lambda *_: None),
-            fmi3LockPreemptionCallback(lambda: None if lock.acquire() else None),
+            fmi3LockPreemptionCallback(lock),
             fmi3UnlockPreemptionCallback(unlock),
         ]
         self.component = self.fmi3InstantiateScheduledExecution(
