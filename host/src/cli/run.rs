@@ -91,6 +91,8 @@ impl Watch for Watcher<'_> {
                 .iter()
                 .map(|warning| format!("warning: {name}: {warning}"))
                 .collect(),
+            // Says itself where its run is described.
+            Err(error @ Error::Input(_)) => vec![error.to_string()],
             Err(error) => vec![format!("{name}: {error}")],
         };
         self.bar.suspend(|| {
