@@ -98,8 +98,9 @@ def test_tflex_within_targets(flexarm, tmp_path, version, seed):
     demo_score(flexarm, tmp_path / "both", version, "--parameters", file)
 
 
-def test_results_of_a_run_are_a_measurement(flexarm, tmp_path):
-    """The file of one command is read by the other; a gap is cut out."""
+@pytest.mark.parametrize("order", ["sequential", "side-by-side"])
+def test_results_of_a_run_are_a_measurement(flexarm, tmp_path, order):
+    """The file of one command is read by the other, whichever FMU steps first; a gap is cut out."""
     pair = ["--controller", fmu("fmi3", "FlexArmController"), "--plant", fmu("fmi3", "FlexArmPlant")]
     random = [1.23, 0.96, 1.5, 1.1, 1.4, 0.96, 1.5, 1.3, 1.0, 1.45, 1.2, 1.5, 0.96]
     rows = [("time", "setpoint"), *((1.5 * k, random[k % len(random)]) for k in range(26))]
@@ -114,6 +115,8 @@ def test_results_of_a_run_are_a_measurement(flexarm, tmp_path):
         *NOISE,
         "--set",
         "reference.source=profile",
+        "--order",
+        order,
         "-o",
         tmp_path / "run",
     )

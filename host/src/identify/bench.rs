@@ -12,7 +12,7 @@ use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Setpoints};
 use crate::input::{self, Pair, Place, Side};
 use crate::run::recording::Recording;
-use crate::run::{Order, Outcome, Simulation, angle_limits, simulate_opened};
+use crate::run::{Outcome, Simulation, angle_limits, simulate_opened};
 use ::identification::{Identification, Measurement, Segment, Settings, Timing, identify};
 use model_description::ssv::{self, Parameter, ParameterSet, Value};
 use std::fmt::Write;
@@ -283,18 +283,15 @@ impl<'a> Bench<'a> {
                     swapped: false,
                 }))
         };
-        let mut torque = role(Role::Torque, "no signal plays the role of the torque")?;
-        if self.experiment.order == Order::SideBySide && !torque.is_empty() {
-            // The plant gets the torque of a step in the next one.
-            torque.rotate_right(1);
-            torque[0] = 0.0;
-        }
         let time = recording.column(0);
         let skip = time.partition_point(|t| *t < first);
         let cut = |mut values: Vec<f64>| values.split_off(skip.min(values.len()));
         Ok(Signals {
             angle: cut(role(Role::Angle, "no signal plays the role of the angle")?),
-            torque: cut(torque),
+            torque: cut(role(
+                Role::Torque,
+                "no signal plays the role of the torque",
+            )?),
             reference: recording.role(Role::ReferenceAngle).map(cut),
             feedforward: recording.role(Role::FeedforwardTorque).map(cut),
             feedback: recording.role(Role::FeedbackTorque).map(cut),
