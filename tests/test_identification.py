@@ -2,6 +2,7 @@
 
 import csv
 import json
+import signal
 import subprocess
 import time
 import zipfile
@@ -244,6 +245,26 @@ def test_plant_that_fails_leaves_what_was_recorded(flexarm, tmp_path, vendor):
     found, _ = identify(flexarm, out, "--measurement", out / "approach-partial.csv")
     assert found["parameters"][0]["value"] == pytest.approx(0.5, rel=0.05)
     assert not (out / "approach-partial.csv").exists()
+
+
+def test_interrupt_leaves_what_was_recorded(flexarm, tmp_path):
+    pair = ["--controller", fmu("fmi3", "FlexArmController"), "--plant", fmu("fmi3", "FlexArmPlant")]
+    out = tmp_path / "out"
+    command = [flexarm, "identify", *pair, "--duration", "2000", "-o", out]
+    with subprocess.Popen([str(a) for a in command], stderr=subprocess.PIPE, text=True) as run:
+        time.sleep(6)
+        run.send_signal(signal.SIGINT)
+        _, errors = run.communicate(timeout=60)
+    print(errors)
+    assert run.returncode == 1
+    assert "error: interrupted at t = " in errors
+    said = json.loads((out / "identification.json").read_text())
+    assert said["partial"] is True
+    assert said["error"].startswith("interrupted at t = ")
+    assert sorted(p.name for p in out.iterdir()) == sorted([said["file"], "identification.json"])
+    rows = (out / said["file"]).read_text().splitlines()
+    assert rows[0].startswith("time,angle,torque")
+    assert len(rows) == said["samples"] + 1 > 1000
 
 
 def test_reversed_torque_is_named(flexarm, tmp_path, vendor):

@@ -226,7 +226,7 @@ fn make(all: &[Job<'_>], jobs: usize, watch: &dyn Watch) -> Result<Outcomes, Err
             progress()
         });
         let outcome = outcome.map_err(|error| job.run.blame_start(error));
-        if matches!(outcome, Err(Error::Interrupted { .. })) {
+        if outcome.as_ref().is_err_and(Error::is_interrupt) {
             stopped.store(true, Ordering::Relaxed);
         }
         watch.finished(job.experiment, job.run, &outcome);
@@ -254,7 +254,7 @@ fn make(all: &[Job<'_>], jobs: usize, watch: &dyn Watch) -> Result<Outcomes, Err
         });
     }
     let outcomes = all.iter().map(|job| match take(&job.outcome) {
-        Some(Err(error @ Error::Interrupted { .. })) => Err(error),
+        Some(Err(error)) if error.is_interrupt() => Err(error),
         Some(outcome) => Ok(outcome),
         // A run that the end of another kept from beginning.
         None => Err(Error::Interrupted { time: 0.0 }),

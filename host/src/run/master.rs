@@ -126,7 +126,7 @@ impl Master {
         }
         self.read_plant(plant)?;
         self.scorer.last(&self.row);
-        // Who stops a run during its last step wants no result either.
+        // Who stops a run during its last step means to stop what follows, too.
         match progress(1.0) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Interrupted {

@@ -241,7 +241,7 @@ impl<'a> Prepared<'a> {
     /// Makes the run.
     ///
     /// # Errors
-    /// [`Error::Stopped`], with the samples until then, where it ends before its time.
+    /// [`Error::Stopped`], with the samples until then, where it ends before its time, be it that `progress` stops it.
     pub fn run(self, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Outcome, Error> {
         let (pair, rows) = (self.pair(), self.rows());
         let Self {
@@ -294,8 +294,7 @@ impl<'a> Prepared<'a> {
         let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
         let failure = match master.run(&mut instances, steps, progress) {
             Ok(()) => None,
-            // Who stops a run wants no result, and before the first step is over there is none.
-            Err(error @ Error::Interrupted { .. }) => return Err(error),
+            // Before the first step is over there is no result.
             Err(error) if master.steps_done() == 0 => return Err(error),
             Err(error) => Some(error),
         };
