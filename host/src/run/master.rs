@@ -97,6 +97,7 @@ impl Master {
             self.read_plant(plant)?;
             if self.order == Order::SideBySide {
                 self.write_plant(plant, time)?;
+                self.record(k);
             }
             self.write_controller(controller, time)?;
             let begin = Instant::now();
@@ -108,8 +109,8 @@ impl Master {
             }
             plant.do_step(time, self.step)?;
             self.scorer.sample(k, self.row[SETPOINT], &self.row);
-            if k % self.record_every == 0 {
-                self.recording.push(&self.row);
+            if self.order == Order::Sequential {
+                self.record(k);
             }
             self.done = k + 1;
             if let Some((slot, limits)) = self.guard {
@@ -125,7 +126,7 @@ impl Master {
         }
         self.read_plant(plant)?;
         self.scorer.last(&self.row);
-        // Who stops a run during its last step wants no result either.
+        // Who stops a run during its last step means to stop what follows, too.
         match progress(1.0) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Interrupted {
@@ -141,6 +142,12 @@ impl Master {
 
     pub(super) fn finish(self) -> (Score, Recording, Duration) {
         (self.scorer.finish(), self.recording, self.controller_time)
+    }
+
+    fn record(&mut self, k: usize) {
+        if k.is_multiple_of(self.record_every) {
+            self.recording.push(&self.row);
+        }
     }
 
     fn apply_schedule(&mut self, k: usize) {
