@@ -2,7 +2,6 @@
 
 use crate::archive::Archive;
 use crate::cargo;
-use crate::platform::Platform;
 use crate::workspace::Workspace;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,13 +15,9 @@ const FOLDER: &str = "documentation/licenses";
 pub struct Licences(BTreeMap<String, Vec<u8>>);
 
 impl Licences {
-    /// Collects the licences of `package` and of everything linked into it.
-    pub fn collect(
-        workspace: &Workspace,
-        platform: Platform,
-        package: &str,
-    ) -> Result<Self, String> {
-        let metadata = cargo::metadata(workspace, platform.triple)?;
+    /// Collects the licences of `package` and of everything linked into it for these targets.
+    pub fn collect(workspace: &Workspace, triples: &[&str], package: &str) -> Result<Self, String> {
+        let metadata = cargo::metadata(workspace, triples)?;
         let mut files = BTreeMap::new();
         for own in ["LICENSE-MIT", "LICENSE-APACHE"] {
             files.insert(format!("{FOLDER}/{own}.txt"), workspace.read_bytes(own)?);
