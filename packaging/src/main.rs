@@ -67,9 +67,9 @@ enum Command {
     /// Makes a Python environment in target/venv with what tests/requirements.txt pins. Stops at the
     /// first step that fails.
     Test {
-        /// Also build for every platform and run that under emulation, for minutes
+        /// Instead build for every platform and compare them under emulation
         ///
-        /// Needs wine and qemu-user besides what other tests need.
+        /// Windows in Wine, Linux on ARM in qemu: both must do what this platform does, to the last bit.
         #[arg(long)]
         platforms: bool,
         /// Arguments for pytest, after `--`: for example `-- -k snapshots`
@@ -81,10 +81,18 @@ enum Command {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = Workspace::find().and_then(|workspace| match arguments.command {
-        Command::Package { all_platforms } => package::run(&workspace, choose(all_platforms)),
+        Command::Package { all_platforms } => package::run(
+            &workspace,
+            if all_platforms {
+                Platforms::All
+            } else {
+                Platforms::This
+            },
+        ),
         Command::Demo => demo::run(&workspace),
         Command::Reproduce => reproduce::run(&workspace),
-        Command::Test { platforms, pytest } => test::run(&workspace, choose(platforms), &pytest),
+        Command::Test { platforms, pytest } if platforms => test::platforms(&workspace, &pytest),
+        Command::Test { pytest, .. } => test::run(&workspace, &pytest),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -93,8 +101,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-fn choose(all: bool) -> Platforms {
-    if all { Platforms::All } else { Platforms::This }
 }

@@ -79,38 +79,54 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
     Ok(())
 }
 
-fn build(workspace: &Workspace, platforms: Platforms) -> Result<Vec<(Platform, Products)>, String> {
+/// Libraries by platform, and what the linker added to them.
+struct Built {
+    products: Vec<(Platform, Products)>,
+    runtime: Vec<(&'static str, String)>,
+}
+
+fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
     let packages: Vec<_> = UNITS.iter().map(|u| u.package).collect();
     match platforms {
         Platforms::This => {
             let this = Platform::host()?;
-            let built = cargo::build(workspace, &packages, Some(this.native))?;
-            Ok(vec![(this, built)])
+            let products = cargo::build(workspace, &packages, Some(this.native))?;
+            Ok(Built {
+                products: vec![(this, products)],
+                runtime: Vec::new(),
+            })
         }
-        Platforms::All => Toolchain::prepare(workspace)?.build(workspace, &packages),
+        Platforms::All => {
+            let toolchain = Toolchain::prepare(workspace, &Platform::ALL)?;
+            Ok(Built {
+                products: toolchain.build(workspace, &packages)?,
+                runtime: toolchain.runtime(workspace)?,
+            })
+        }
     }
 }
 
 fn contents(
     workspace: &Workspace,
     descriptions: Vec<ModelDescription>,
-    built: &[(Platform, Products)],
+    built: &Built,
 ) -> Result<Vec<Content>, String> {
-    let triples: Vec<_> = built
+    let Built { products, runtime } = built;
+    let triples: Vec<_> = products
         .iter()
         .map(|(platform, _)| platform.portable)
         .collect();
     let mut contents = Vec::new();
     for (unit, description) in UNITS.iter().zip(descriptions) {
         let mut binaries = Vec::new();
-        for (platform, libraries) in built {
+        for (platform, libraries) in products {
             let library = libraries
                 .get(unit.library)
                 .ok_or_else(|| format!("{} built no shared library", unit.package))?;
             let name = library.display();
             let binary = fs::read(library).map_err(|e| format!("{name}: {e}"))?;
             // What is built for this platform alone may use all that this platform has.
-            if built.len() > 1 {
+            if products.len() > 1 {
                 let imports = Imports::read(&binary).and_then(|imports| imports.check());
                 imports.map_err(|e| format!("{name}: {e}"))?;
             }
@@ -120,7 +136,7 @@ fn contents(
             |kind: &str| workspace.read_bytes(&format!("packaging/assets/{}.{kind}", unit.art));
         contents.push(Content {
             binaries,
-            licences: Licences::collect(workspace, &triples, unit.package)?,
+            licences: Licences::collect(workspace, &triples, unit.package, runtime)?,
             terminals: workspace.read_bytes(TERMINALS)?,
             page: page::write(workspace, &description, unit.art, "")?,
             icon_png: art("png")?,

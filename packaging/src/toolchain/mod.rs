@@ -25,6 +25,19 @@ const UNUSED: [&str; 2] = ["libssp.a", "libssp_nonshared.a"];
 /// An archive that holds nothing.
 const EMPTY_ARCHIVE: &[u8] = b"!<arch>\n";
 
+/// What zig links into binaries: name, and licence in its package.
+const RUNTIME: [(&str, &str); 3] = [
+    ("Zig's compiler runtime (MIT)", "LICENSE"),
+    (
+        "libunwind (Apache-2.0 WITH LLVM-exception)",
+        "lib/libunwind/LICENSE.TXT",
+    ),
+    (
+        "the runtime of mingw-w64, Windows only (ZPL-2.1)",
+        "lib/libc/mingw/COPYING",
+    ),
+];
+
 /// The tools, ready to build with.
 pub struct Toolchain {
     python: PathBuf,
@@ -32,8 +45,8 @@ pub struct Toolchain {
 }
 
 impl Toolchain {
-    /// Fetches what is missing.
-    pub fn prepare(workspace: &Workspace) -> Result<Self, String> {
+    /// Fetches what these platforms need.
+    pub fn prepare(workspace: &Workspace, platforms: &[Platform]) -> Result<Self, String> {
         let python = python::environment(workspace, &format!("{FOLDER}/python"), REQUIREMENTS)?;
         let unused = workspace.path(FOLDER).join("unused");
         fs::create_dir_all(&unused).map_err(|e| format!("{}: {e}", unused.display()))?;
@@ -42,13 +55,13 @@ impl Toolchain {
             fs::write(&path, EMPTY_ARCHIVE).map_err(|e| format!("{}: {e}", path.display()))?;
         }
         let mut compilers = Vec::new();
-        for platform in Platform::ALL {
-            compilers.push((platform, Compiler::find(workspace, platform.portable)?));
+        for platform in platforms {
+            compilers.push((*platform, Compiler::find(workspace, platform.portable)?));
         }
         Ok(Self { python, compilers })
     }
 
-    /// Builds packages for every platform.
+    /// Builds packages for each of the platforms.
     pub fn build(
         &self,
         workspace: &Workspace,
@@ -82,5 +95,19 @@ impl Toolchain {
             built.push((*platform, products));
         }
         Ok(built)
+    }
+
+    /// Names and licences of the libraries that every binary contains, for those who pass it on.
+    pub fn runtime(&self, workspace: &Workspace) -> Result<Vec<(&'static str, String)>, String> {
+        let mut ask = workspace.command(&self.python);
+        let output = ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
+        let output = output.output().map_err(|e| format!("python: {e}"))?;
+        let folder = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
+        let read = |(name, path): (&'static str, &str)| {
+            let text = fs::read_to_string(folder.join(path));
+            let text = text.map_err(|e| format!("ziglang/{path}: {e}"))?;
+            Ok((name, text.trim().to_owned()))
+        };
+        RUNTIME.into_iter().map(read).collect()
     }
 }
