@@ -5,6 +5,7 @@ mod inspect;
 mod progress;
 mod run;
 mod simulate;
+mod system;
 
 use clap::{Parser, Subcommand};
 use host::Error;
@@ -30,6 +31,7 @@ const EXAMPLES: &str = "\
 Examples:
   flexarm inspect FlexArmPlant.fmu
   flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --setpoints steps.csv -o out/
+  flexarm simulate FlexArm.ssp --setpoints steps.csv -o out/
   flexarm run experiments/*.toml -o out/
   flexarm identify --measurement log.csv -o out/
 
