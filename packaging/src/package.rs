@@ -5,7 +5,7 @@ use crate::fmu::{Content, Version};
 use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, page, parameters, plot};
+use crate::{cargo, page, parameters, plot, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -37,7 +37,7 @@ const UNITS: [Unit; 2] = [
 /// Terminals of both units in FMI 3.0.
 const TERMINALS: &str = "modelDescription/terminalsAndIcons.xml";
 
-/// Builds both units and writes the FMUs and the parameter sets.
+/// Builds both units and writes the FMUs, the parameter sets and the system structures.
 pub fn run(workspace: &Workspace) -> Result<(), String> {
     announce("Checking the contracts and writing the parameter sets");
     let mut descriptions = Vec::new();
@@ -62,6 +62,9 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
         for path in write(workspace, content)? {
             eprintln!("{path}");
         }
+    }
+    for path in ssp::write(workspace, host.as_os_str())? {
+        eprintln!("{path}");
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! The command line and its exit codes.
 
+mod export;
 mod identify;
 mod inspect;
 mod progress;
@@ -23,6 +24,7 @@ pub(crate) struct Arguments {
 enum Command {
     Simulate(Box<simulate::Arguments>),
     Run(run::Arguments),
+    Export(export::Arguments),
     Identify(Box<identify::Arguments>),
     Inspect(inspect::Arguments),
 }
@@ -44,6 +46,7 @@ pub(crate) fn carry_out(arguments: Arguments) -> u8 {
     let result = match arguments.command {
         Command::Simulate(arguments) => simulate::run(*arguments).map(|()| 0),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Export(arguments) => export::run(arguments).map(|()| 0),
         Command::Identify(arguments) => identify::run(*arguments).map(|()| 0),
         Command::Inspect(arguments) => inspect::run(&arguments).map(|()| 0),
     };

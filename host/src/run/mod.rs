@@ -208,6 +208,21 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// Values that parameters will have.
+    pub(crate) fn values(&self) -> &StartValues {
+        &self.values
+    }
+
+    /// Who is connected to whom.
+    pub(crate) fn wiring(&self) -> &Wiring {
+        &self.wiring
+    }
+
+    /// Setpoints and other inputs over time, if they are given.
+    pub(crate) fn table(&self) -> Option<&Table> {
+        self.table.as_ref()
+    }
+
     /// Simulated time of the run \[s\].
     pub fn duration(&self) -> f64 {
         self.steps as f64 * self.simulation.step

@@ -64,26 +64,40 @@ impl Package {
             .filter_map(|s| s.strip_suffix(".ssd"))
     }
 
-    /// Reads a system structure; without a name the default one.
+    /// Reads a system structure: by the name of its file or the one that it gives itself; without a name the
+    /// default one.
     pub(super) fn structure(&self, variant: Option<&str>) -> Result<SystemStructure, Error> {
-        let wanted = variant.map_or(DEFAULT.to_owned(), |v| {
-            format!("{}.ssd", v.strip_suffix(".ssd").unwrap_or(v))
-        });
-        if !self.structures.contains(&wanted) {
-            let variants: Vec<_> = self.variants().collect();
-            let place = Place::new("--variant", None);
-            return Err(syntax(
-                place,
-                format!(
-                    "{} has no system structure {wanted}; there are: {}",
-                    self.file.display(),
-                    variants.join(", ")
-                ),
+        let Some(name) = variant else {
+            return self.read(DEFAULT);
+        };
+        let wanted = format!("{}.ssd", name.strip_suffix(".ssd").unwrap_or(name));
+        if self.structures.contains(&wanted) {
+            return self.read(&wanted);
+        }
+        let mut names = Vec::new();
+        for file in &self.structures {
+            let structure = self.read(file)?;
+            if structure.name == name {
+                return Ok(structure);
+            }
+            names.push(format!(
+                "{} ({})",
+                file.trim_end_matches(".ssd"),
+                structure.name
             ));
         }
-        let text = read_text(&self.folder.path().join(&wanted))
-            .map_err(|error| self.mistake(Some(&wanted), reason(&error)))?;
-        Ok(read::system_structure(&text, &self.name(&wanted))?)
+        let message = format!(
+            "{} has no system structure {name}; there are: {}",
+            self.file.display(),
+            names.join(", ")
+        );
+        Err(syntax(Place::new("--variant", None), message))
+    }
+
+    fn read(&self, name: &str) -> Result<SystemStructure, Error> {
+        let text = read_text(&self.folder.path().join(name))
+            .map_err(|error| self.mistake(Some(name), reason(&error)))?;
+        Ok(read::system_structure(&text, &self.name(name))?)
     }
 
     /// What a file of the package is called in messages.
