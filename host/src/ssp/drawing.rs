@@ -37,9 +37,9 @@ pub(super) struct Drawing<'a> {
     prepared: &'a Prepared<'a>,
     step: f64,
     /// Attributes of the `BaseUnit` of each unit that either FMU defines.
-    units: BTreeMap<String, Vec<(String, String)>>,
-    /// Parameter sets of each component, in order.
-    pub bindings: [Vec<String>; 2],
+    units: BTreeMap<String, BTreeMap<String, String>>,
+    /// Parameter set of each component.
+    pub parameters: [Option<String>; 2],
     /// File with the inputs over time.
     pub inputs: Option<String>,
     /// Parameter set with the values of the inputs at the start.
@@ -75,10 +75,15 @@ impl<'a> Drawing<'a> {
             prepared,
             step,
             units,
-            bindings: Default::default(),
+            parameters: [None, None],
             inputs: None,
             start: None,
         }
+    }
+
+    /// Attributes of the `BaseUnit` of a unit, if either FMU defines it.
+    pub fn base_unit(&self, unit: &str) -> Option<&BTreeMap<String, String>> {
+        self.units.get(unit)
     }
 
     fn description(&self, side: Side) -> &'a Description {
@@ -333,7 +338,7 @@ fn bent(from: f64, bend: f64, to: f64) -> Vec<(f64, f64)> {
 }
 
 /// Attributes of the `BaseUnit` of each unit, by name.
-fn base_units(text: &str) -> BTreeMap<String, Vec<(String, String)>> {
+fn base_units(text: &str) -> BTreeMap<String, BTreeMap<String, String>> {
     let Ok(document) = roxmltree::Document::parse(text.trim_start_matches('\u{feff}')) else {
         return BTreeMap::new();
     };
@@ -398,9 +403,7 @@ impl Writer<'_> {
             }
         }
         line!(self, "    </ssd:Connectors>");
-        if let Some(start) = &d.start {
-            self.bindings("    ", std::slice::from_ref(start));
-        }
+        self.binding("    ", d.start.as_ref());
         line!(self, "    <ssd:Elements>");
         for side in [Side::Controller, Side::Plant] {
             self.component(side);
@@ -471,7 +474,7 @@ impl Writer<'_> {
             x + BOX,
             LOWER + d.height()
         );
-        self.bindings("        ", &d.bindings[side as usize]);
+        self.binding("        ", d.parameters[side as usize].as_ref());
         line!(self, "      </ssd:Component>");
     }
 
@@ -512,19 +515,16 @@ impl Writer<'_> {
         );
     }
 
-    fn bindings(&mut self, indent: &str, sources: &[String]) {
-        if sources.is_empty() {
-            return;
-        }
-        line!(self, "{indent}<ssd:ParameterBindings>");
-        for source in sources {
+    fn binding(&mut self, indent: &str, source: Option<&String>) {
+        if let Some(source) = source {
             let source = escape(source);
+            line!(self, "{indent}<ssd:ParameterBindings>");
             line!(
                 self,
                 "{indent}  <ssd:ParameterBinding source=\"{source}\"/>"
             );
+            line!(self, "{indent}</ssd:ParameterBindings>");
         }
-        line!(self, "{indent}</ssd:ParameterBindings>");
     }
 
     fn connection(&mut self, drawn: &Line) {

@@ -2,14 +2,12 @@
 //! over time and the FMUs. The first run is the default one.
 
 use super::drawing::{self, Drawing};
-use super::package::syntax;
 use crate::experiment::{Experiment, Run, folder_name};
-use crate::fmu::{Description, Fmu, Value};
+use crate::fmu::{Fmu, Scalar, Value};
 use crate::input::Side;
-use crate::input::parameters::{Assignment, ParameterFile};
-use crate::input::read_text;
 use crate::run::Order;
 use crate::{Error, Prepared};
+use model_description::Unit;
 use model_description::ssv::{self, Parameter, ParameterSet};
 use std::collections::BTreeMap;
 use std::fs;
@@ -145,21 +143,13 @@ impl Export {
             sources.push(content.resource(&file_name(fmu.file()), bytes));
         }
         let mut drawing = Drawing::new(&run.name, &fmus, sources, &prepared, simulation.step);
-        for file in &simulation.parameters {
-            let bytes = read_text(&file.path)?.into_bytes();
-            let path = content.resource(&file_name(&file.path), bytes);
-            for side in sides(file) {
-                drawing.bindings[side as usize].push(path.clone());
-            }
-        }
         let stem = folder_name(&run.name);
         for side in [Side::Controller, Side::Plant] {
-            let description = prepared.pair().of(side);
-            let set = assigned(&run.name, side, description, &simulation.assignments)?;
+            let set = parameters(&run.name, &prepared, side, &drawing);
             if !set.parameters.is_empty() {
                 let text = ssv::write(&set).into_bytes();
                 let path = content.resource(&format!("{stem}-{side}.ssv"), text);
-                drawing.bindings[side as usize].push(path);
+                drawing.parameters[side as usize] = Some(path);
             }
         }
         if let Some(csv) = drawing.inputs_over_time() {
@@ -174,76 +164,56 @@ impl Export {
     }
 }
 
-fn sides(file: &ParameterFile) -> Vec<Side> {
-    match file.side {
-        Some(side) => vec![side],
-        None => vec![Side::Controller, Side::Plant],
-    }
-}
-
 fn file_name(path: &Path) -> String {
     path.file_name()
         .map_or(String::new(), |name| name.to_string_lossy().into_owned())
 }
 
-/// The single values that are for one FMU, as a parameter set. They were checked with the run.
-fn assigned(
+/// All values that a component is given, from files and single ones, as one set. Other tools know no
+/// enumerations in parameter sets, so their items are given by number, which is their underlying type (SSP 1.0
+/// sec 4.4.1).
+fn parameters(
     run: &str,
+    prepared: &Prepared<'_>,
     side: Side,
-    description: &Description,
-    assignments: &[Assignment],
-) -> Result<ParameterSet, Error> {
-    let mut values: BTreeMap<String, ssv::Value> = BTreeMap::new();
-    for assignment in assignments {
-        let name = match (assignment.side, &assignment.name) {
-            (Some(of), _) if of != side => continue,
-            (_, name) => name,
-        };
-        let prefix = format!("{side}.");
-        let bare = name
-            .strip_prefix(&prefix)
-            .filter(|_| assignment.side.is_none());
-        let found = description
-            .scalar(name)
-            .map(|scalar| (name.as_str(), scalar));
-        let found = found.or_else(|error| match bare {
-            Some(bare) => description.scalar(bare).map(|scalar| (bare, scalar)),
-            None => Err(error),
-        });
-        let Ok((name, scalar)) = found else { continue };
-        let variable = description.variable(scalar);
-        let value = Value::parse(&assignment.value, variable).map_err(|expected| {
-            let message = format!("{name} = {:?}: expected {expected}", assignment.value);
-            syntax(assignment.place.clone(), message)
-        })?;
-        let value = match value {
-            Value::Float(number) => ssv::Value::Real(number),
-            Value::Boolean(truth) => ssv::Value::Boolean(truth),
-            Value::Text(text) => ssv::Value::String(text),
-            Value::Integer(number) => {
-                let item = variable
-                    .items
-                    .iter()
-                    .find(|i| i128::from(i.value) == number);
-                match item {
-                    Some(item) => ssv::Value::Enumeration(item.name.clone()),
-                    None => ssv::Value::Integer(number as i64),
-                }
-            }
-        };
-        values.insert(name.to_owned(), value);
-    }
-    let parameter = |(name, value)| Parameter {
-        name,
-        value,
-        unit: None,
-        line: 0,
+    drawing: &Drawing<'_>,
+) -> ParameterSet {
+    let description = prepared.pair().of(side);
+    let mut units = BTreeMap::new();
+    let mut one = |(scalar, value): (Scalar, Value)| {
+        let unit = description.variable(scalar).unit.as_ref();
+        let base = unit.and_then(|unit| drawing.base_unit(unit));
+        let unit = unit.filter(|_| base.is_some()).cloned();
+        if let (Some(name), base) = (&unit, base) {
+            let unit = Unit {
+                name: name.clone(),
+                base: base.cloned(),
+                display_units: Vec::new(),
+                line: 0,
+            };
+            units.insert(name.clone(), unit);
+        }
+        let is_real = matches!(value, Value::Float(_));
+        Parameter {
+            name: description.name_of(scalar),
+            value: match value {
+                Value::Float(number) => ssv::Value::Real(number),
+                Value::Integer(number) => ssv::Value::Integer(number as i64),
+                Value::Boolean(truth) => ssv::Value::Boolean(truth),
+                Value::Text(text) => ssv::Value::String(text),
+            },
+            unit: unit.filter(|_| is_real),
+            line: 0,
+        }
     };
-    Ok(ParameterSet {
-        name: format!("{run}, {side}"),
-        parameters: values.into_iter().map(parameter).collect(),
-        ..ParameterSet::default()
-    })
+    let values = prepared.values().of(side);
+    let parameters = values.into_iter().map(&mut one).collect();
+    ParameterSet {
+        name: run.to_owned(),
+        description: format!("Parameters of the {side}"),
+        parameters,
+        units: units.into_values().collect(),
+    }
 }
 
 /// Writes beside the final place and then moves there. Makes missing folders.
