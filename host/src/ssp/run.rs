@@ -189,8 +189,8 @@ pub fn simulate_system(
             .iter()
             .map(|&part| wiring.parts[part].path.as_str());
         warnings.push(format!(
-            "{} may depend on each other directly, since not all declare what their outputs depend on: in part they \
-             take values that are a communication step old",
+            "{} wait for each other, as far as they declare what their outputs depend on: in part they take values that \
+             are a communication step old",
             paths.collect::<Vec<_>>().join(", ")
         ));
     }
@@ -393,7 +393,7 @@ fn order(wiring: &Wiring, links: &[Link], order: Order) -> Result<super::order::
             name(link.to, link.input)
         )
     };
-    let circle_text: Vec<_> = circle.iter().rev().map(text).collect();
+    let circle_text: Vec<_> = circle.iter().map(text).collect();
     let message = format!(
         "connection: algebraic loop, each of these depends directly on the one before: {}; --order side-by-side breaks it \
          with a delay of one communication step",
