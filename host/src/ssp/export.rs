@@ -1,7 +1,8 @@
 //! Makes an SSP of an experiment: each run a system structure of its own, with its parameter sets, its inputs
 //! over time and the FMUs. The first run is the default one.
 
-use super::drawing::{self, Drawing};
+use super::drawing::Drawing;
+use super::ssd;
 use crate::experiment::{Experiment, Run, folder_name};
 use crate::fmu::{Fmu, Scalar, Value};
 use crate::input::Side;
@@ -160,7 +161,7 @@ impl Export {
             let text = ssv::write(&set).into_bytes();
             drawing.start = Some(content.resource(&format!("{stem}-start.ssv"), text));
         }
-        Ok(drawing::write(&drawing))
+        Ok(ssd::write(&drawing))
     }
 }
 

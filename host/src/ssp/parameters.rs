@@ -1,5 +1,6 @@
 //! Values of parameters (SSP 1.0 sec 5.2.4): who is given what, and which of several values counts.
 
+use super::bindings::mapping_file;
 use super::document::{
     Binding, Child, Component, Element, Mapping, Source, System, SystemStructure, Type, Written,
 };
@@ -142,7 +143,7 @@ impl Reader<'_> {
             Source::Inline(mapping) => (mapping.clone(), self.structure.file.clone()),
             Source::File { path, in_component } => {
                 let (text, file) = self.text(path, *in_component, component, &place)?;
-                (read::mapping_file(&text, &file)?, file)
+                (mapping_file(&text, &file)?, file)
             }
         };
         Ok((mapped(&all, &mapping, &of)?, file))

@@ -1,22 +1,21 @@
 //! A run of a system structure: its FMUs set up, connected, stepped and recorded.
 
-use super::document::{Kind, SystemStructure, Type};
+use super::document::{Kind, SystemStructure};
 use super::inputs::Table;
-use super::order::{Link, sequence};
+use super::layout::Layout;
+use super::order::{Link, Sequence, sequence};
 use super::package::{Package, syntax};
 use super::parameters::{FromUser, Values, constants};
+use super::summary::SystemSummary;
 use super::wiring::{Owner, Wiring};
 use crate::Error;
-use crate::fmu::{self, Experiment, Instance, Message, Signals, short};
+use crate::fmu::{Experiment, Instance, Message, short};
 use crate::input::parameters::{Assignment, ParameterFile};
 use crate::input::{self, read_text};
-use crate::run::master::{Clock, Feed, Inputs, Master, Member, Outputs};
-use crate::run::plan::step_of;
-use crate::run::recording::{Column, Recording, Slot};
-use crate::run::summary::{Stopped, Unit, number};
+use crate::run::master::{Clock, Master};
+use crate::run::recording::Recording;
+use crate::run::summary::{Stopped, Unit};
 use crate::run::{Order, checks};
-use crate::table::aligned;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::PathBuf;
@@ -69,73 +68,6 @@ impl SystemSimulation {
             record_every: 1,
             logging: false,
         }
-    }
-}
-
-/// What a run comes to. Everything but the wall-clock time is the same in every repetition.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-pub struct SystemSummary {
-    /// The package.
-    pub package: String,
-    /// Name that the system structure gives itself.
-    pub name: String,
-    /// The components in the order in which they step, with their FMUs.
-    pub components: Vec<(String, Unit)>,
-    /// File with values over time for the inputs of the system.
-    pub inputs: Option<String>,
-    /// How values travel.
-    pub order: Order,
-    /// Start \[s\].
-    pub start_s: f64,
-    /// Communication step \[s\].
-    pub step_s: f64,
-    /// Number of steps.
-    pub steps: u64,
-    /// End \[s\].
-    pub until_s: f64,
-    /// Why it ended before its time, if it did.
-    pub stopped: Option<Stopped>,
-    /// Duration by the wall clock without set-up \[s\].
-    pub wall_s: f64,
-    /// What may be meant but looks wrong.
-    pub warnings: Vec<String>,
-}
-
-impl SystemSummary {
-    /// What ran, in one sentence.
-    pub fn headline(&self) -> String {
-        format!(
-            "{} of {}, {}, communication step {} ms",
-            self.name,
-            self.package,
-            self.order,
-            self.step_s * 1e3
-        )
-    }
-
-    /// Name, value and unit of every quantity, as text.
-    pub fn rows(&self) -> Vec<[String; 3]> {
-        let mut rows = Vec::new();
-        let mut row = |name: &str, value: String, unit: &str| {
-            rows.push([name.to_owned(), value, unit.to_owned()]);
-        };
-        for (path, unit) in &self.components {
-            row(path, format!("{} (FMI {})", unit.model, unit.fmi), "");
-        }
-        row("simulated until", number(self.until_s), "s");
-        if let Some(stopped) = &self.stopped {
-            row("PARTIAL: planned", number(stopped.planned_s), "s");
-        }
-        let simulated = self.until_s - self.start_s;
-        row("real-time factor", number(simulated / self.wall_s), "");
-        rows
-    }
-
-    /// All quantities, aligned, under the headline.
-    pub fn table(&self) -> String {
-        let mut table = aligned(["quantity", "value", "unit"], [1]);
-        table.add_rows(self.rows());
-        format!("{}\n{}", self.headline(), table.trim_fmt())
     }
 }
 
@@ -372,8 +304,8 @@ fn steps(duration: f64, step: f64, origin: &str) -> Result<usize, Error> {
     Err(setting(origin, duration, expected))
 }
 
-fn order(wiring: &Wiring, links: &[Link], order: Order) -> Result<super::order::Sequence, Error> {
-    let undirected = || super::order::Sequence {
+fn order(wiring: &Wiring, links: &[Link], order: Order) -> Result<Sequence, Error> {
+    let undirected = || Sequence {
         order: (0..wiring.parts.len()).collect(),
         doubtful: Vec::new(),
     };
@@ -403,195 +335,4 @@ fn order(wiring: &Wiring, links: &[Link], order: Order) -> Result<super::order::
         wiring.place(circle.first().map_or(1, |link| link.line)),
         message,
     ))
-}
-
-/// Where in a row everything is.
-struct Layout {
-    columns: Vec<Column>,
-    /// Inputs of the system in the order of their columns, from 1, with the values at the start.
-    outside: Vec<(usize, f64)>,
-    /// Column of each point that has one.
-    column_of: BTreeMap<usize, usize>,
-    /// Outputs of each component: points in the order of their columns.
-    outputs: Vec<Vec<usize>>,
-    /// Inputs of each component with what feeds them.
-    inputs: Vec<Vec<(fmu::Scalar, Feed)>>,
-    links: Vec<Link>,
-    /// Outputs of the system that are no other column as it is.
-    derived: Vec<(Column, Feed)>,
-}
-
-impl Layout {
-    fn new(wiring: &Wiring, values: &Values, table: &Table) -> Self {
-        let mut layout = Self {
-            columns: vec![Column::new("time", Some("s"))],
-            outside: Vec::new(),
-            column_of: BTreeMap::new(),
-            outputs: vec![Vec::new(); wiring.parts.len()],
-            inputs: vec![Vec::new(); wiring.parts.len()],
-            links: Vec::new(),
-            derived: Vec::new(),
-        };
-        let column = |point: usize| {
-            let of = &wiring.points[point];
-            let mut column = Column::new(&of.path, of.unit.as_ref().map(|unit| unit.name.as_str()));
-            if let Owner::Part(part, scalar) = of.owner {
-                let items = &wiring.parts[part].description().variable(scalar).items;
-                column.items = items.iter().map(|i| (i.value, i.name.clone())).collect();
-            }
-            column
-        };
-        let is_number = |point: usize| !matches!(wiring.points[point].signal, Some(Type::Other(_)));
-        for (point, of) in wiring.points.iter().enumerate() {
-            if of.owner != Owner::Root || of.kind != Kind::Input {
-                continue;
-            }
-            let value = values.connectors.get(&point).map(|(value, _)| *value);
-            if value.is_some() || table.names.contains(&of.path) {
-                layout.column_of.insert(point, layout.columns.len());
-                layout.outside.push((point, value.unwrap_or(0.0)));
-                layout.columns.push(column(point));
-            }
-        }
-        for (point, of) in wiring.points.iter().enumerate() {
-            if let Owner::Part(part, _) = of.owner
-                && !of.kind.is_inward()
-                && is_number(point)
-            {
-                layout.outputs[part].push(point);
-            }
-        }
-        // Those of a component stand side by side, as they are read.
-        for points in &layout.outputs {
-            for &point in points {
-                layout.column_of.insert(point, layout.columns.len());
-                layout.columns.push(column(point));
-            }
-        }
-        for (target, of) in wiring.points.iter().enumerate() {
-            // Circles were refused when the wiring was made.
-            let Ok(Some(origin)) = wiring.origin(target) else {
-                continue;
-            };
-            let Some(&from) = layout.column_of.get(&origin.point) else {
-                continue;
-            };
-            let feed = Feed {
-                slot: Slot {
-                    column: from,
-                    factor: origin.transformation.factor,
-                    offset: origin.transformation.offset,
-                },
-                map: origin.transformation.map.clone(),
-            };
-            match of.owner {
-                Owner::Part(part, scalar) if of.kind == Kind::Input => {
-                    layout.inputs[part].push((scalar, feed));
-                    if let Owner::Part(other, output) = wiring.points[origin.point].owner {
-                        layout.links.push(Link {
-                            from: other,
-                            output,
-                            to: part,
-                            input: scalar,
-                            line: origin.line,
-                        });
-                    }
-                }
-                Owner::Root if !of.kind.is_inward() && !origin.transformation.is_identity() => {
-                    layout.derived.push((column(target), feed));
-                }
-                _ => {}
-            }
-        }
-        layout
-    }
-
-    fn members(&self, wiring: &Wiring, order: &[usize]) -> Vec<Member> {
-        let mut members = Vec::new();
-        for (place, &part) in order.iter().enumerate() {
-            let description = wiring.parts[part].description();
-            let inputs = &self.inputs[part];
-            let scalars: Vec<_> = inputs.iter().map(|(scalar, _)| *scalar).collect();
-            let scalar = |&point: &usize| match wiring.points[point].owner {
-                Owner::Part(_, scalar) => Some(scalar),
-                _ => None,
-            };
-            let outputs: Vec<_> = self.outputs[part].iter().filter_map(scalar).collect();
-            let first = self.outputs[part]
-                .first()
-                .and_then(|p| self.column_of.get(p));
-            let first = first.copied().unwrap_or(0);
-            let later = &order[place + 1..];
-            members.push(Member {
-                inputs: Inputs {
-                    signals: Signals::new(description, &scalars),
-                    feeds: inputs.iter().map(|(_, feed)| feed.clone()).collect(),
-                    values: vec![0.0; inputs.len()],
-                },
-                outputs: Outputs {
-                    signals: Signals::new(description, &outputs),
-                    range: first..first + outputs.len(),
-                },
-                leads: self
-                    .links
-                    .iter()
-                    .any(|l| l.from == part && later.contains(&l.to)),
-            });
-        }
-        members
-    }
-
-    /// First step and values of each change of the inputs of the system.
-    fn schedule(&self, table: &Table, start: f64, step: f64) -> Vec<(usize, Vec<f64>)> {
-        let constant: Vec<_> = self.outside.iter().map(|(_, value)| *value).collect();
-        let mut schedule = vec![(0, constant.clone())];
-        let position = |name: &String| {
-            let names = self
-                .outside
-                .iter()
-                .map(|(point, _)| &self.columns[self.column_of[point]].name);
-            names.into_iter().position(|column| column == name)
-        };
-        let positions: Vec<_> = table.names.iter().map(position).collect();
-        for (time, values) in &table.rows {
-            let mut row = constant.clone();
-            for (position, value) in positions.iter().zip(values) {
-                if let Some(position) = position {
-                    row[*position] = *value;
-                }
-            }
-            schedule.push((step_of(time - start, step), row));
-        }
-        schedule
-    }
-
-    /// Columns that take part in a connection, and those that are made of them.
-    fn connected(&self) -> Vec<usize> {
-        let feeds = self.inputs.iter().flatten().map(|(_, feed)| feed);
-        let feeds = feeds.chain(self.derived.iter().map(|(_, feed)| feed));
-        let mut connected: Vec<_> = feeds.map(|feed| feed.slot.column).collect();
-        connected.extend(self.columns.len()..self.columns.len() + self.derived.len());
-        connected.sort_unstable();
-        connected.dedup();
-        connected
-    }
-
-    /// The recording with the outputs of the system.
-    fn derive(&self, recording: Recording) -> Recording {
-        if self.derived.is_empty() {
-            return recording;
-        }
-        let mut columns = recording.columns().to_vec();
-        columns.extend(self.derived.iter().map(|(column, _)| column.clone()));
-        let rows = recording.rows();
-        let mut whole = Recording::new(columns, BTreeMap::new(), rows.len());
-        for row in rows {
-            let mut row = row.to_vec();
-            for (_, feed) in &self.derived {
-                row.push(feed.value(&row).unwrap_or(f64::NAN));
-            }
-            whole.push(&row);
-        }
-        whole
-    }
 }
