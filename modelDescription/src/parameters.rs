@@ -116,7 +116,7 @@ fn declaration<'a>(unit: &'a ModelDescription, v: &'a Variable) -> impl PartialE
 fn value(unit: &ModelDescription, v: &Variable, start: tree::Value) -> Value {
     match start {
         tree::Value::Float64(value) => Value::Real(value),
-        tree::Value::Int32(value) => Value::Integer(value),
+        tree::Value::Int32(value) => Value::Integer(value.into()),
         tree::Value::Boolean(value) => Value::Boolean(value),
         tree::Value::Enumeration(value) => {
             let mut items = unit.declared_type(v).into_iter().flat_map(|t| &t.items);
@@ -138,7 +138,7 @@ fn problem(units: &[ModelDescription], p: &Parameter) -> Option<String> {
     let given = p.value.kind();
     let number = match (v.kind, &p.value) {
         (Kind::Float64, Value::Real(value)) => *value,
-        (Kind::Int32, Value::Integer(value)) => f64::from(*value),
+        (Kind::Int32, Value::Integer(value)) => *value as f64,
         (Kind::Boolean, Value::Boolean(_)) => return None,
         (Kind::Enumeration, Value::Enumeration(item)) => {
             let items: Vec<_> = unit

@@ -207,7 +207,7 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
 }
 
 pub(crate) fn unit<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Unit {
-    r.know_attributes(node, &["name"]);
+    r.know_attributes(node, &["name", "id", "description"]);
     let mut unit = Unit {
         name: r.required(node, "name"),
         base: None,

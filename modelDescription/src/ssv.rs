@@ -1,4 +1,4 @@
-//! Parameter files: System Structure Parameter Values (SSP 1.0, `.ssv`).
+//! Parameter files: System Structure Parameter Values (SSP 1.0 and 2.0, `.ssv`).
 //!
 //! ```
 //! use model_description::ssv::{self, Value};
@@ -22,7 +22,7 @@
 //! ```
 
 use crate::tree::Unit;
-use crate::xml::{Reader, escape, f64_text, parse_bool, parse_f64};
+use crate::xml::{Reader, escape, f64_text, parse_bool, parse_f64, parse_i32};
 use crate::{Diagnostic, read as description};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
@@ -62,7 +62,7 @@ pub struct Parameter {
 #[allow(missing_docs, reason = "the names are the standard's")]
 pub enum Value {
     Real(f64),
-    Integer(i32),
+    Integer(i64),
     Boolean(bool),
     String(String),
     /// Name of the item.
@@ -106,25 +106,21 @@ pub fn read(text: &str, file: &str) -> Result<ParameterSet, Vec<Diagnostic>> {
         }]
     })?;
     let mut reader = Reader::new(&document, file);
-    let set = root(&mut reader, document.root_element());
-    let mut diagnostics = reader.diagnostics;
-    if diagnostics.is_empty() {
-        return Ok(set);
-    }
-    diagnostics.sort();
-    Err(diagnostics)
+    let set = parameter_set(&mut reader, document.root_element());
+    reader.finish(set)
 }
 
-fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ParameterSet {
+/// Reads a parameter set that stands in another document, like the `ParameterValues` of a system structure.
+pub fn parameter_set<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ParameterSet {
     if !node.has_tag_name((NAMESPACE, "ParameterSet")) {
         r.problem(
             node,
-            format_args!("the root element must be `ParameterSet` of {NAMESPACE}"),
+            format_args!("a `ParameterSet` of {NAMESPACE} must stand here"),
         );
     }
     let version = node.attribute("version").unwrap_or_default();
-    if !version.starts_with("1.") {
-        r.problem(node, format_args!("version `{version}` is not 1.x"));
+    if !version.starts_with("1.") && !version.starts_with("2.") {
+        r.problem(node, format_args!("version `{version}` is not 1.x or 2.x"));
     }
     let mut set = ParameterSet {
         name: r.required(node, "name"),
@@ -133,7 +129,13 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ParameterSet {
     };
     for section in r.children(
         node,
-        &["Parameters", "Enumerations", "Units", "Annotations"],
+        &[
+            "Parameters",
+            "Enumerations",
+            "Units",
+            "MetaData",
+            "Annotations",
+        ],
     ) {
         match section.tag_name().name() {
             "Parameters" => {
@@ -162,17 +164,35 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ParameterSet {
     set
 }
 
+/// Elements that hold a value: those of SSP 1.0, then what SSP 2.0 adds (sec 6.1.1).
+const VALUES: [&str; 15] = [
+    "Real",
+    "Integer",
+    "Boolean",
+    "String",
+    "Enumeration",
+    "Float64",
+    "Float32",
+    "Int8",
+    "UInt8",
+    "Int16",
+    "UInt16",
+    "Int32",
+    "UInt32",
+    "Int64",
+    "UInt64",
+];
+
 fn parameter<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Parameter> {
     r.know_attributes(node, &["name", "id", "description"]);
     let name = r.required(node, "name");
-    const VALUES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
     let children = r.children(node, &[&VALUES[..], &["Annotations"]].concat());
     let values: Vec<_> = children
         .into_iter()
         .filter(|c| !c.has_tag_name((NAMESPACE, "Annotations")))
         .collect();
     let [value] = values[..] else {
-        let of = VALUES.join(", ");
+        let of = VALUES[..5].join(", ");
         r.problem(node, format_args!("must have exactly one value, of {of}"));
         return None;
     };
@@ -180,7 +200,7 @@ fn parameter<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Parameter> {
     r.know_attributes(
         value,
         match kind {
-            "Real" => &["value", "unit"],
+            "Real" | "Float64" | "Float32" => &["value", "unit"],
             "Enumeration" => &["value", "name"],
             _ => &["value"],
         },
@@ -190,11 +210,12 @@ fn parameter<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Parameter> {
         return None;
     };
     let parsed = match kind {
-        "Real" => parse_f64(text).map(Value::Real),
-        "Integer" => text.trim().parse().ok().map(Value::Integer),
+        "Real" | "Float64" | "Float32" => parse_f64(text).map(Value::Real),
         "Boolean" => parse_bool(text).map(Value::Boolean),
         "String" => Some(Value::String(text.to_owned())),
-        _ => Some(Value::Enumeration(text.trim().to_owned())),
+        "Enumeration" => Some(Value::Enumeration(text.trim().to_owned())),
+        "Integer" => parse_i32(text).map(|number| Value::Integer(number.into())),
+        _ => text.trim().parse().ok().map(Value::Integer),
     };
     if parsed.is_none() {
         r.problem(node, format_args!("value `{text}` is not of type {kind}"));

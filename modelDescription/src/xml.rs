@@ -5,19 +5,31 @@ use roxmltree::{Document, Node};
 use std::fmt::Display;
 
 /// Reads elements and collects everything that is wrong with them.
-pub(crate) struct Reader<'a> {
+pub struct Reader<'a> {
     document: &'a Document<'a>,
     file: &'a str,
+    /// What was found to be wrong until now.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl<'a> Reader<'a> {
+    /// A reader for a document; `file` names it in the messages.
     pub fn new(document: &'a Document<'a>, file: &'a str) -> Self {
         Self {
             document,
             file,
             diagnostics: Vec::new(),
         }
+    }
+
+    /// What was read, or everything that is wrong, by line.
+    pub fn finish<T>(self, read: T) -> Result<T, Vec<Diagnostic>> {
+        let mut diagnostics = self.diagnostics;
+        if diagnostics.is_empty() {
+            return Ok(read);
+        }
+        diagnostics.sort();
+        Err(diagnostics)
     }
 
     /// Line of the element's start tag, from 1.
@@ -163,12 +175,17 @@ fn subject(tag: &str) -> &str {
 }
 
 /// A finite `xs:double`.
-pub(crate) fn parse_f64(text: &str) -> Option<f64> {
+pub fn parse_f64(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|v: &f64| v.is_finite())
 }
 
+/// An `xs:int`.
+pub fn parse_i32(text: &str) -> Option<i32> {
+    text.trim().parse().ok()
+}
+
 /// An `xs:boolean`.
-pub(crate) fn parse_bool(text: &str) -> Option<bool> {
+pub fn parse_bool(text: &str) -> Option<bool> {
     match text.trim() {
         "true" | "1" => Some(true),
         "false" | "0" => Some(false),
@@ -177,13 +194,13 @@ pub(crate) fn parse_bool(text: &str) -> Option<bool> {
 }
 
 /// A number that reads back exactly, as short as can be.
-pub(crate) fn f64_text(value: f64) -> String {
+pub fn f64_text(value: f64) -> String {
     let text = format!("{value:?}");
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
 /// Text for an attribute in double quotes.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -17,6 +17,7 @@ mod plot;
 mod python;
 mod reproduce;
 mod shooting;
+mod ssp;
 mod test;
 mod toolchain;
 mod workspace;
@@ -32,7 +33,7 @@ use workspace::Workspace;
 #[command(after_help = "\
 Start with `cargo xtask demo`: it builds everything, runs the controller against the arm and says where
 the report is. The FMUs are then in dist/fmi2 and dist/fmi3, the parameter sets in dist/parameters; drop the
-FMUs into your tool and connect torque and angle.")]
+FMUs into your tool and connect torque and angle, or open dist/FlexArm.ssp, where they are connected.")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -40,10 +41,10 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Build both units and write the FMUs and parameter sets to dist/
+    /// Build both units and write the FMUs, parameter sets and system structures to dist/
     ///
     /// Writes dist/fmi2/*.fmu, dist/fmi3/*.fmu (the same binaries, described for each version of the
-    /// standard) and dist/parameters/*.ssv. Equal inputs give equal bytes.
+    /// standard), dist/parameters/*.ssv, and connected dist/FlexArm.ssp and dist/ssp/. Equal inputs give equal bytes.
     Package {
         /// Carry binaries for 64-bit Windows, Linux and Linux on ARM, on systems since 2012
         ///

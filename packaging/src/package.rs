@@ -8,7 +8,7 @@ use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, page, parameters, plot};
+use crate::{cargo, page, parameters, plot, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -49,7 +49,7 @@ pub enum Platforms {
     All,
 }
 
-/// Builds both units and writes the FMUs and the parameter sets.
+/// Builds both units and writes the FMUs, the parameter sets and the system structures.
 pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
     announce("Checking the contracts and writing the parameter sets");
     let mut descriptions = Vec::new();
@@ -75,6 +75,9 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
         for path in write(workspace, content)? {
             eprintln!("{path}");
         }
+    }
+    for path in ssp::write(workspace, host.as_os_str())? {
+        eprintln!("{path}");
     }
     Ok(())
 }

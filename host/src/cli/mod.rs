@@ -1,10 +1,12 @@
 //! The command line and its exit codes.
 
+mod export;
 mod identify;
 mod inspect;
 mod progress;
 mod run;
 mod simulate;
+mod system;
 
 use clap::{Parser, Subcommand};
 use host::Error;
@@ -22,6 +24,7 @@ pub(crate) struct Arguments {
 enum Command {
     Simulate(Box<simulate::Arguments>),
     Run(run::Arguments),
+    Export(export::Arguments),
     Identify(Box<identify::Arguments>),
     Inspect(inspect::Arguments),
 }
@@ -30,6 +33,7 @@ const EXAMPLES: &str = "\
 Examples:
   flexarm inspect FlexArmPlant.fmu
   flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu --setpoints steps.csv -o out/
+  flexarm simulate FlexArm.ssp --setpoints steps.csv -o out/
   flexarm run experiments/*.toml -o out/
   flexarm identify --measurement log.csv -o out/
 
@@ -42,6 +46,7 @@ pub(crate) fn carry_out(arguments: Arguments) -> u8 {
     let result = match arguments.command {
         Command::Simulate(arguments) => simulate::run(*arguments).map(|()| 0),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Export(arguments) => export::run(arguments).map(|()| 0),
         Command::Identify(arguments) => identify::run(*arguments).map(|()| 0),
         Command::Inspect(arguments) => inspect::run(&arguments).map(|()| 0),
     };

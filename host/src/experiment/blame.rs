@@ -11,7 +11,7 @@ impl Run {
     }
 
     /// A mistake of the run's set-up, at the key that made it unless it says itself which file it is about.
-    pub(super) fn blame(&self, mistake: Mistake) -> Mistake {
+    pub(crate) fn blame(&self, mistake: Mistake) -> Mistake {
         let at = |place: &Place| Mistake::Syntax {
             place: place.clone(),
             message: mistake.to_string(),

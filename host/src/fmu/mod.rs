@@ -22,7 +22,7 @@
 //! # }
 //! ```
 
-mod archive;
+pub(crate) mod archive;
 mod description;
 mod error;
 mod fmi2;
@@ -118,11 +118,16 @@ impl Fmu {
 
     /// The same with other limits on the size of the unpacked FMU.
     pub fn open_within(file: &Path, limits: &Limits) -> Result<Self, Error> {
+        Self::open_as(file, file, limits)
+    }
+
+    /// The same; messages call it `file`, and it is read from `content`.
+    pub(crate) fn open_as(file: &Path, content: &Path, limits: &Limits) -> Result<Self, Error> {
         let folder = tempfile::Builder::new()
             .prefix("flexarm-")
             .tempdir()
             .map_err(Error::TemporaryFolder)?;
-        archive::unpack(file, folder.path(), limits).map_err(|problem| Error::Archive {
+        archive::unpack(content, folder.path(), limits).map_err(|problem| Error::Archive {
             file: file.to_owned(),
             problem,
         })?;

@@ -224,7 +224,7 @@ impl StartValues {
 }
 
 /// The value, if the unit is the variable's, the text of its type and the number in its range.
-fn checked(
+pub(crate) fn checked(
     description: &Description,
     scalar: Scalar,
     place: &Place,

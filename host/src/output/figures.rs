@@ -5,7 +5,7 @@ use crate::experiment::{self, Curve, Figure, FigureKind};
 use crate::{Error, Outcome};
 
 /// Colours of the curves of a figure, in order.
-const COLOURS: [&str; 8] = [
+pub(super) const COLOURS: [&str; 8] = [
     "#1f6fb2", "#e08a1e", "#2f855a", "#c0392b", "#7c3aed", "#0891b2", "#8b5e3c", "#64748b",
 ];
 /// Frequencies of a response for each decade.

@@ -1,5 +1,5 @@
 //! Writes a result to a folder: a run as `results.csv`, `summary.json`, `report.html`, and `log.txt` if the FMUs
-//! logged; an identification as `identified.ssv`, `identification.json`, `report.html` and, if asked for, its
+//! logged; that of a system structure with `plot.svg` besides; an identification as `identified.ssv`, `identification.json`, `report.html` and, if asked for, its
 //! measurements.
 //!
 //! Files appear whole or not at all: they are written beside the folder and moved when all are complete. A run
@@ -15,13 +15,15 @@ mod identification;
 mod page;
 mod report;
 mod svg;
+mod system;
 
 pub(crate) use chart::PANELS;
 
 use crate::Error;
+use crate::fmu::Message;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -67,6 +69,8 @@ const PARTIAL: [&str; 3] = [
     "summary-partial.json",
     "report-partial.html",
 ];
+/// The signals of a system structure.
+const PLOT: &str = "plot.svg";
 /// What the FMUs logged, if they did.
 const LOG: &str = "log.txt";
 /// What an identification writes beside its report.
@@ -81,7 +85,7 @@ const PARTIAL_MEASUREMENTS: [&str; 5] = [
     "validation-partial.csv",
 ];
 /// What not every run or identification writes: a file of an earlier one would pass for this one's.
-const OF_A_RUN: [&str; 4] = [LOG, PARTIAL[0], PARTIAL[1], PARTIAL[2]];
+const OF_A_RUN: [&str; 5] = [LOG, PLOT, PARTIAL[0], PARTIAL[1], PARTIAL[2]];
 const OF_AN_IDENTIFICATION: [&str; 10] = [
     PARAMETERS,
     WHOLE[2],
@@ -129,13 +133,13 @@ impl OutputFolder {
     /// Writes all files and returns the path of the report. On an error none of them appears.
     pub fn write(mut self, outcome: &Outcome) -> Result<PathBuf, Error> {
         self.write_files(outcome, true)?;
-        let [_, _, report] = names(outcome);
+        let [_, _, report] = names(outcome.summary.stopped.is_some());
         Ok(self.path.join(report))
     }
 
     /// Removes the files of a run from `folder`; others stay.
     fn remove_run(folder: &Path) -> Result<(), Error> {
-        for name in WHOLE.into_iter().chain(PARTIAL).chain([LOG]) {
+        for name in WHOLE.into_iter().chain(PARTIAL).chain([LOG, PLOT]) {
             let path = folder.join(name);
             match fs::remove_file(&path) {
                 Err(source) if source.kind() != io::ErrorKind::NotFound => {
@@ -162,7 +166,7 @@ impl OutputFolder {
 
     fn try_write(&mut self, outcome: &Outcome, reported: bool) -> io::Result<()> {
         let file = |name: &str| self.partial.path().join(name);
-        let [results, summary, report] = names(outcome);
+        let [results, summary, report] = names(outcome.summary.stopped.is_some());
         write_csv(&outcome.recording, &file(results))?;
         let mut json = serde_json::to_string_pretty(&outcome.summary)?;
         json.push('\n');
@@ -170,14 +174,19 @@ impl OutputFolder {
         if reported {
             fs::write(file(report), report::html(outcome))?;
         }
-        let mut log = String::new();
-        for (side, message) in &outcome.messages {
-            let _ = writeln!(log, "{side}: {}: {message}", message.status);
-        }
-        if !log.is_empty() {
-            fs::write(file(LOG), log)?;
-        }
+        self.write_log(&outcome.messages)?;
         self.publish(&OF_A_RUN)
+    }
+
+    fn write_log(&self, messages: &[(impl Display, Message)]) -> io::Result<()> {
+        let mut log = String::new();
+        for (of, message) in messages {
+            let _ = writeln!(log, "{of}: {}: {message}", message.status);
+        }
+        if log.is_empty() {
+            return Ok(());
+        }
+        fs::write(self.partial.path().join(LOG), log)
     }
 
     /// Moves all files to their places; those of `stale` that are not written now go.
@@ -198,17 +207,14 @@ impl OutputFolder {
     }
 }
 
-/// The files that hold the run.
-fn names(outcome: &Outcome) -> [&'static str; 3] {
-    match outcome.summary.stopped {
-        None => WHOLE,
-        Some(_) => PARTIAL,
-    }
+/// The files that hold a run.
+fn names(partial: bool) -> [&'static str; 3] {
+    if partial { PARTIAL } else { WHOLE }
 }
 
 /// Whether files can take their places in `folder`: found out before the first one does.
 fn check_targets(folder: &Path) -> io::Result<()> {
-    let names = WHOLE.into_iter().chain(PARTIAL).chain([LOG]);
+    let names = WHOLE.into_iter().chain(PARTIAL).chain([LOG, PLOT]);
     for name in names.chain(OF_AN_IDENTIFICATION).chain([IDENTIFICATION]) {
         if folder.join(name).is_dir() {
             let why = format!("{name} is a folder there");

@@ -168,7 +168,7 @@ pub(super) fn periods(pair: Pair<'_>, values: &StartValues, step: f64) -> Vec<St
 }
 
 /// Refuses recordings that would not fit in memory.
-pub(super) fn size(rows: usize, columns: usize) -> Result<(), Error> {
+pub(crate) fn size(rows: usize, columns: usize) -> Result<(), Error> {
     const LIMIT: usize = 1 << 29;
     if rows.saturating_mul(columns) <= LIMIT {
         return Ok(());

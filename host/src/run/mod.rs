@@ -13,9 +13,9 @@
 //! # }
 //! ```
 
-mod checks;
-mod master;
-mod plan;
+pub(crate) mod checks;
+pub(crate) mod master;
+pub(crate) mod plan;
 pub mod recording;
 pub mod score;
 pub mod summary;
@@ -27,10 +27,10 @@ use crate::input::parameters::{Assignment, ParameterFile, StartValues};
 use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Setpoints, Table};
 use crate::input::{Pair, Place, Side};
-use master::Master;
-use plan::Plan;
+use master::{Clock, Master};
+use plan::{Plan, SETPOINT};
 use recording::{Column, Recording};
-use score::Terms;
+use score::{Scorer, Terms};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -210,6 +210,21 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// Values that parameters will have.
+    pub(crate) fn values(&self) -> &StartValues {
+        &self.values
+    }
+
+    /// Who is connected to whom.
+    pub(crate) fn wiring(&self) -> &Wiring {
+        &self.wiring
+    }
+
+    /// Setpoints and other inputs over time, if they are given.
+    pub(crate) fn table(&self) -> Option<&Table> {
+        self.table.as_ref()
+    }
+
     /// Simulated time of the run \[s\].
     pub fn duration(&self) -> f64 {
         self.steps as f64 * self.simulation.step
@@ -260,10 +275,10 @@ impl<'a> Prepared<'a> {
             ..Experiment::default()
         };
         let start = |fmu, side| start(fmu, side, &values, &experiment, simulation.logging);
-        let mut instances = Instances {
-            controller: start(controller, Side::Controller)?,
-            plant: start(plant, Side::Plant)?,
-        };
+        let mut instances = [
+            start(controller, Side::Controller)?,
+            start(plant, Side::Plant)?,
+        ];
         let table = match table {
             Some(table) => table,
             None => Table::constant(start_angle(&mut instances, &wiring)?),
@@ -290,9 +305,39 @@ impl<'a> Prepared<'a> {
                 "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"
             ));
         }
+        let recording = Recording::new(plan.columns, plan.roles, rows);
+        let mut scorer = Scorer::new(&recording, terms);
+        // The angle and where it must stay.
+        let guard = recording.slot(Role::Angle).zip(simulation.stop_outside);
+        let step = simulation.step;
+        let mut observe = |k: usize, row: &[f64]| {
+            scorer.sample(k, row[SETPOINT], row);
+            match guard.map(|(slot, limits)| (slot.value(row), limits)) {
+                Some((angle, limits)) if !limits.contains(angle) => Err(Error::LeftRange {
+                    angle,
+                    time: row[0],
+                    limits,
+                }),
+                _ => Ok(()),
+            }
+        };
+        let schedule = table.rows.iter();
+        let schedule = schedule.map(|row| (plan::step_of(row.time, step), row.values.clone()));
+        let clock = Clock {
+            start: 0.0,
+            step,
+            order: simulation.order,
+            record_every: simulation.record_every,
+        };
         let begin = Instant::now();
-        let mut master = Master::new(plan, &table, simulation, rows, terms, &mut instances)?;
-        let failure = match master.run(&mut instances, steps, progress) {
+        let mut master = Master::new(
+            plan.members,
+            recording,
+            schedule.collect(),
+            clock,
+            &mut instances,
+        )?;
+        let failure = match master.run(&mut instances, steps, &mut observe, progress) {
             Ok(()) => None,
             // Before the first step is over there is no result.
             Err(error) if master.steps_done() == 0 => return Err(error),
@@ -300,13 +345,16 @@ impl<'a> Prepared<'a> {
         };
         let wall = begin.elapsed().as_secs_f64();
         if failure.is_none() {
-            instances.controller.terminate()?;
-            instances.plant.terminate()?;
+            scorer.last(master.row());
+            for instance in &mut instances {
+                instance.terminate()?;
+            }
         }
 
         let done = master.steps_done();
         let until = done as f64 * simulation.step;
-        let (score, recording, controller_time) = master.finish();
+        let (recording, times) = master.finish();
+        let score = scorer.finish();
         if let (Some(value), None) = (score.not_finite(), &failure) {
             return Err(Error::NotFinite {
                 name: "the squared error".to_owned(),
@@ -330,7 +378,7 @@ impl<'a> Prepared<'a> {
             timing: Timing {
                 wall_s: wall,
                 real_time_factor: until / wall,
-                controller_mean_us: controller_time.as_secs_f64() * 1e6 / done as f64,
+                controller_mean_us: times[0].as_secs_f64() * 1e6 / done as f64,
             },
             warnings,
         };
@@ -339,7 +387,7 @@ impl<'a> Prepared<'a> {
             recording,
             angle_limits: limits,
             thermal_limit,
-            messages: instances.messages(),
+            messages: messages(&instances),
         };
         match failure {
             None => Ok(outcome),
@@ -351,31 +399,15 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Both instances of a run.
-struct Instances {
-    controller: Instance,
-    plant: Instance,
-}
+/// Sides in the order of the instances of a run.
+const SIDES: [Side; 2] = [Side::Controller, Side::Plant];
 
-impl Instances {
-    fn of(&mut self, side: Side) -> &mut Instance {
-        match side {
-            Side::Controller => &mut self.controller,
-            Side::Plant => &mut self.plant,
-        }
-    }
-
-    fn messages(&self) -> Vec<(Side, Message)> {
-        let of = |side, instance: &Instance| {
-            instance
-                .messages()
-                .into_iter()
-                .map(move |message| (side, message))
-        };
-        of(Side::Controller, &self.controller)
-            .chain(of(Side::Plant, &self.plant))
-            .collect()
-    }
+fn messages(instances: &[Instance; 2]) -> Vec<(Side, Message)> {
+    let of = |(side, instance): (Side, &Instance)| {
+        let messages = instance.messages().into_iter();
+        messages.map(move |message| (side, message))
+    };
+    SIDES.into_iter().zip(instances).flat_map(of).collect()
 }
 
 /// An instance in Initialization Mode, with the user's values.
@@ -407,12 +439,12 @@ pub(crate) fn angle_limits(pair: Pair<'_>, values: &StartValues) -> Option<Angle
 }
 
 /// Where the arm starts, or 0 if nothing tells.
-fn start_angle(instances: &mut Instances, wiring: &Wiring) -> Result<f64, Error> {
+fn start_angle(instances: &mut [Instance; 2], wiring: &Wiring) -> Result<f64, Error> {
     let Some(tap) = wiring.roles.get(&Role::Angle) else {
         return Ok(0.0);
     };
     let Source::Output(side, scalar) = tap.source else {
         return Ok(0.0);
     };
-    Ok(tap.factor * instances.of(side).value(scalar)? + tap.offset)
+    Ok(tap.factor * instances[usize::from(side == Side::Plant)].value(scalar)? + tap.offset)
 }

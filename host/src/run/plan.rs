@@ -1,6 +1,7 @@
 //! Turns names into positions: what is read, scaled and written at every communication point.
 
 use super::Simulation;
+use super::master::{Feed, Inputs, Member, Outputs};
 use super::recording::{Column, Slot};
 use crate::fmu::{Causality, Kind, Scalar, Signals, short};
 use crate::input::connections::{Source, Tap, Wiring};
@@ -8,30 +9,14 @@ use crate::input::roles::Role;
 use crate::input::setpoints::Table;
 use crate::input::{Error, Pair, Side};
 use std::collections::BTreeMap;
-use std::ops::Range;
-
-/// The inputs of one FMU and where in the row their values are.
-pub(super) struct Inputs {
-    pub(super) signals: Signals,
-    pub(super) slots: Vec<Slot>,
-    pub(super) values: Vec<f64>,
-}
-
-/// The outputs of one FMU and their place in the row.
-pub(super) struct Outputs {
-    pub(super) signals: Signals,
-    pub(super) range: Range<usize>,
-}
 
 /// Everything a communication point needs. A row is `time`, `setpoint`, the driven inputs, outputs of the
 /// plant, outputs of the controller.
 pub(super) struct Plan {
     pub(super) columns: Vec<Column>,
     pub(super) roles: BTreeMap<Role, Slot>,
-    pub(super) controller_inputs: Inputs,
-    pub(super) plant_inputs: Inputs,
-    pub(super) controller_outputs: Outputs,
-    pub(super) plant_outputs: Outputs,
+    /// The controller, then the plant.
+    pub(super) members: Vec<Member>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -39,7 +24,7 @@ pub(super) struct Plan {
 pub(super) const SETPOINT: usize = 1;
 
 /// The first step that begins at `time` \[s\] or later.
-pub(super) fn step_of(time: f64, step: f64) -> usize {
+pub(crate) fn step_of(time: f64, step: f64) -> usize {
     (time / step - 1e-6).ceil().max(0.0) as usize
 }
 
@@ -86,10 +71,10 @@ impl Plan {
         };
         let inputs = |side| -> Result<Inputs, Error> {
             let mut scalars = Vec::new();
-            let mut slots = Vec::new();
+            let mut feeds = Vec::new();
             for connection in wiring.connections.iter().filter(|c| c.side == side) {
                 scalars.push(connection.input);
-                slots.push(slot(connection.tap));
+                feeds.push(plain(slot(connection.tap)));
             }
             for (position, &(of, input)) in table.inputs.iter().enumerate() {
                 if of != side {
@@ -102,16 +87,16 @@ impl Plan {
                     });
                 }
                 scalars.push(input);
-                slots.push(Slot {
+                feeds.push(plain(Slot {
                     column: SETPOINT + 1 + position,
                     factor: 1.0,
                     offset: 0.0,
-                });
+                }));
             }
             Ok(Inputs {
                 signals: Signals::new(pair.of(side), &scalars),
                 values: vec![0.0; scalars.len()],
-                slots,
+                feeds,
             })
         };
         let end = table.rows.last().map_or(0.0, |row| row.time);
@@ -124,19 +109,33 @@ impl Plan {
                 short(end)
             ));
         }
+        let roles = wiring
+            .roles
+            .iter()
+            .map(|(role, tap)| (*role, slot(*tap)))
+            .collect();
+        let inputs = [inputs(Side::Controller)?, inputs(Side::Plant)?];
+        let outputs = [controller_outputs, plant_outputs];
+        let members = inputs.into_iter().zip(outputs).zip([true, false]);
+        let member = |((inputs, outputs), leads)| Member {
+            inputs,
+            outputs,
+            leads,
+        };
         Ok(Self {
-            controller_inputs: inputs(Side::Controller)?,
-            plant_inputs: inputs(Side::Plant)?,
-            roles: wiring
-                .roles
-                .iter()
-                .map(|(role, tap)| (*role, slot(*tap)))
-                .collect(),
             columns,
-            controller_outputs,
-            plant_outputs,
+            roles,
+            members: members.map(member).collect(),
             warnings,
         })
+    }
+}
+
+/// A value that is scaled only.
+fn plain(slot: Slot) -> Feed {
+    Feed {
+        slot,
+        map: Vec::new(),
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    pub(super) fn new(fmu: &Fmu) -> Self {
+    pub(crate) fn new(fmu: &Fmu) -> Self {
         let description = fmu.description();
         Self {
             file: fmu.file().display().to_string(),
