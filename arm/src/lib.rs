@@ -20,6 +20,7 @@ pub mod hysteresis;
 mod parameters;
 pub mod plant;
 mod position_torque;
+pub mod random;
 mod sets;
 pub mod thermal;
 mod vector;

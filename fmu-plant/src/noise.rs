@@ -1,12 +1,7 @@
 //! White noise of the motor drive (sec 4.1.1), as a function of seed and sample number alone, so that
 //! a snapshot needs no generator state and equal seeds give equal runs on every machine thread.
 
-/// Finaliser of SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
-fn mix(mut bits: u64) -> u64 {
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    bits ^ (bits >> 31)
-}
+use arm::random::{GOLDEN, mix};
 
 /// Uniform in (0, 1].
 fn uniform(bits: u64) -> f64 {
@@ -15,7 +10,6 @@ fn uniform(bits: u64) -> f64 {
 
 /// Standard normal draw number `sample` of the sequence `seed`, by Box and Muller.
 pub fn standard_normal(seed: u64, sample: u64) -> f64 {
-    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
     let stream = mix(seed.wrapping_mul(GOLDEN).wrapping_add(GOLDEN));
     let first = uniform(mix(stream.wrapping_add((2 * sample).wrapping_mul(GOLDEN))));
     let second = uniform(mix(

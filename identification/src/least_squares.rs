@@ -277,21 +277,9 @@ mod tests {
         assert_eq!(Triangle::of(&still).solve().unwrap_err().columns, [0]);
     }
 
-    /// A small generator: SplitMix64 and a sum of twelve uniform draws.
-    pub(crate) struct Noise(u64);
-
-    impl Noise {
-        fn next(&mut self) -> f64 {
-            let mut sum = -6.0;
-            for _ in 0..12 {
-                self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-                let mut bits = self.0;
-                bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-                bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-                sum += ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-            }
-            sum
-        }
+    /// Standard normal: a sum of twelve uniform draws.
+    fn normal(state: &mut u64) -> f64 {
+        (0..12).map(|_| arm::random::uniform(state)).sum::<f64>() - 6.0
     }
 
     /// Against the scatter of 400 repetitions: coloured noise and regressors, where the formula for white
@@ -306,11 +294,11 @@ mod tests {
                 if c == 0 { 1.0 } else { (t as f64 / 90.0).sin() }
             },
         );
-        let mut noise = Noise(1);
+        let mut noise = 1;
         let (mut sum, mut squares, mut claimed, mut white) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
         let runs = 400;
         for _ in 0..runs {
-            let raw: Vec<f64> = (0..n + colour).map(|_| noise.next()).collect();
+            let raw: Vec<f64> = (0..n + colour).map(|_| normal(&mut noise)).collect();
             let b = DVector::from_fn(n, |t, _| raw[t..t + colour].iter().sum::<f64>());
             let mut rows = DMatrix::zeros(n, 3);
             rows.columns_mut(0, 2).copy_from(&a);

@@ -37,18 +37,13 @@ pub const fn within(name: &'static str, loads: [f64; 2]) -> Class {
     }
 }
 
-/// Uniform numbers from a seed (SplitMix64).
+/// Uniform numbers from a seed.
 pub struct Uniform(pub u64);
 
 impl Uniform {
     /// A number between `low` and `high`.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
+        low + (high - low) * arm::random::uniform(&mut self.0)
     }
 
     /// A start of a class in the workspace, and a goal \[rad\].

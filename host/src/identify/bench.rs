@@ -15,6 +15,7 @@ use crate::input::{self, Pair, Place, Side};
 use crate::run::recording::Recording;
 use crate::run::{Outcome, Simulation, simulate_opened};
 use ::identification::{Identification, Measurement, Segment, Settings, Timing, identify};
+use arm::random::uniform;
 use model_description::ssv::{self, Parameter, ParameterSet, Value};
 use std::fmt::Write;
 use std::ops::ControlFlow;
@@ -125,15 +126,15 @@ impl<'a> Bench<'a> {
         duration: f64,
     ) -> Result<PathBuf, Error> {
         let AngleLimits { lower, upper } = ends;
-        let mut random = Random(match places {
+        let mut random = match places {
             Places::Random(seed) => seed,
             Places::Ends => 0,
-        });
+        };
         let mut text = format!("time,setpoint\n0,{:?}\n", 0.5 * (lower + upper));
         let count = (duration / interval).ceil() as usize;
         for k in 0..count.max(1) {
             let place = match (places, k % ROUND) {
-                (Places::Random(_), 3..) => random.next(),
+                (Places::Random(_), 3..) => uniform(&mut random),
                 (_, k) => (k % 2) as f64,
             };
             let setpoint = (lower + place * (upper - lower)).clamp(lower, upper);
@@ -331,19 +332,5 @@ impl<'a> Bench<'a> {
         let identification = identify(&measurement, settings)
             .map_err(|source| identification_error(name, source))?;
         Ok((identification, measurement))
-    }
-}
-
-/// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }

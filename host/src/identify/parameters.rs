@@ -74,3 +74,36 @@ pub fn parameter_set(arm: &Parameters, tube: Option<&Tube>, description: &str) -
             .collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The contract declares names and units; what is written here only follows it.
+    #[test]
+    fn names_and_units_are_those_of_the_contract() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../modelDescription/controller.xml"
+        );
+        let text = std::fs::read_to_string(file).unwrap();
+        let contract = model_description::read(&text, file).unwrap();
+        let tube = Tube {
+            angle_margin: 0.01,
+            thermal_share: 0.8,
+            largest_error: 0.005,
+            feedback_share: 0.1,
+        };
+        let set = parameter_set(&Parameters::tflex(), Some(&tube), "");
+        let whole = model_description::parameters::start_values(&[contract], "all").unwrap();
+        for parameter in &set.parameters {
+            let declared = whole.parameters.iter().find(|p| p.name == parameter.name);
+            let declared = declared.unwrap_or_else(|| panic!("no {}", parameter.name));
+            assert_eq!(declared.unit, parameter.unit, "{}", parameter.name);
+        }
+        for unit in &set.units {
+            let declared = whole.units.iter().find(|u| u.name == unit.name).unwrap();
+            assert_eq!(declared.base, unit.base, "{}", unit.name);
+        }
+    }
+}

@@ -10,16 +10,12 @@ pub const PERIOD: f64 = 2.5e-4;
 /// Middle and half width of the setpoints of the T-flex \[rad\].
 pub const RANGE: [f64; 2] = [1.23, 0.31];
 
-/// SplitMix64.
+/// Numbers from a seed.
 pub struct Random(pub u64);
 
 impl Random {
     pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        arm::random::uniform(&mut self.0)
     }
 
     /// Standard normal: a sum of twelve uniform draws.
