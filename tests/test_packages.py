@@ -57,7 +57,7 @@ def test_binary_needs_system_libraries_only(unit, tmp_path):
         path = package.extract(f"{BINARIES['fmi3']}/{unit}.so", tmp_path)
     dynamic = subprocess.run(["readelf", "-d", path], capture_output=True, text=True, check=True).stdout
     needed = {line.split("[")[1].split(".so")[0] for line in dynamic.splitlines() if "NEEDED" in line}
-    assert needed <= {"libc", "libm", "libgcc_s", "ld-linux-x86-64"}, needed
+    assert needed <= {"libc", "libm", "libpthread", "libdl", "libgcc_s", "ld-linux-x86-64"}, needed
 
 
 def test_parameter_sets_are_complete_and_shipped():

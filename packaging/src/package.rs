@@ -103,7 +103,7 @@ fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
             let toolchain = Toolchain::prepare(workspace, &Platform::ALL)?;
             Ok(Built {
                 products: toolchain.build(workspace, &packages)?,
-                runtime: toolchain.runtime(workspace)?,
+                runtime: toolchain.runtime()?,
             })
         }
     }

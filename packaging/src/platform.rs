@@ -20,37 +20,39 @@ pub struct Platform {
 }
 
 impl Platform {
+    const LINUX: Self = Self {
+        os: "linux",
+        arch: "x86_64",
+        native: "x86_64-unknown-linux-gnu",
+        portable: "x86_64-unknown-linux-gnu",
+        fmi2: "linux64",
+        fmi3: "x86_64-linux",
+        suffix: ".so",
+    };
+
+    const WINDOWS: Self = Self {
+        os: "windows",
+        arch: "x86_64",
+        native: "x86_64-pc-windows-msvc",
+        // Windows 7 and later: the only target whose random numbers Wine 8 has too.
+        portable: "x86_64-win7-windows-gnu",
+        fmi2: "win64",
+        fmi3: "x86_64-windows",
+        suffix: ".dll",
+    };
+
+    const LINUX_ARM: Self = Self {
+        os: "linux",
+        arch: "aarch64",
+        native: "aarch64-unknown-linux-gnu",
+        portable: "aarch64-unknown-linux-gnu",
+        fmi2: "aarch64-linux",
+        fmi3: "aarch64-linux",
+        suffix: ".so",
+    };
+
     /// Every platform of `cargo xtask package --all-platforms`.
-    pub const ALL: [Self; 3] = [
-        Self {
-            os: "linux",
-            arch: "x86_64",
-            native: "x86_64-unknown-linux-gnu",
-            portable: "x86_64-unknown-linux-gnu",
-            fmi2: "linux64",
-            fmi3: "x86_64-linux",
-            suffix: ".so",
-        },
-        Self {
-            os: "windows",
-            arch: "x86_64",
-            native: "x86_64-pc-windows-msvc",
-            // Windows 7 and later: the only one whose random numbers Wine 8 has too.
-            portable: "x86_64-win7-windows-gnu",
-            fmi2: "win64",
-            fmi3: "x86_64-windows",
-            suffix: ".dll",
-        },
-        Self {
-            os: "linux",
-            arch: "aarch64",
-            native: "aarch64-unknown-linux-gnu",
-            portable: "aarch64-unknown-linux-gnu",
-            fmi2: "aarch64-linux",
-            fmi3: "aarch64-linux",
-            suffix: ".so",
-        },
-    ];
+    pub const ALL: [Self; 3] = [Self::LINUX, Self::WINDOWS, Self::LINUX_ARM];
 
     /// The platform that we run on.
     pub fn host() -> Result<Self, String> {

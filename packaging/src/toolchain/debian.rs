@@ -47,6 +47,11 @@ pub fn fetch(workspace: &Workspace) -> Result<PathBuf, String> {
             return Err(format!("its packages hold no {needed}"));
         }
     }
+    // Of the sources only the library's are needed; the rest is half of all that was unpacked.
+    for unused in ["compiler", "src"] {
+        let path = part.join("usr").join(LIBRARY_SOURCE).with_file_name(unused);
+        fs::remove_dir_all(&path).map_err(|e| failed(&path, e))?;
+    }
     fs::rename(&part, &folder).map_err(|e| failed(&folder, e))?;
     Ok(folder)
 }

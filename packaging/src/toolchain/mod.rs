@@ -6,6 +6,7 @@
 mod compiler;
 mod debian;
 
+use crate::archive::write_whole;
 use crate::cargo::Products;
 use crate::platform::Platform;
 use crate::workspace::Workspace;
@@ -20,10 +21,12 @@ const FOLDER: &str = "target/toolchain";
 const BUILT: &str = "target/platforms";
 /// Pinned tools, which come as packages of Python.
 const REQUIREMENTS: &str = "packaging/toolchain.txt";
-/// Debian's compiler asks for these when it links for Windows. They guard stacks of C, zig has none.
-const UNUSED: [&str; 2] = ["libssp.a", "libssp_nonshared.a"];
-/// An archive that holds nothing.
-const EMPTY_ARCHIVE: &[u8] = b"!<arch>\n";
+/// Libraries that Debian's compiler asks for when it links for Windows, and definitions that make zig
+/// take them for empty. They guard stacks of C; zig does without.
+const UNUSED: [(&str, &str); 2] = [
+    ("ssp", "LIBRARY ssp.dll\nEXPORTS\n"),
+    ("ssp_nonshared", "LIBRARY ssp.dll\nEXPORTS\n"),
+];
 
 /// What zig links into binaries: name, and licence in its package.
 const RUNTIME: [(&str, &str); 3] = [
@@ -41,6 +44,8 @@ const RUNTIME: [(&str, &str); 3] = [
 /// The tools, ready to build with.
 pub struct Toolchain {
     python: PathBuf,
+    /// Where the package of zig is.
+    zig: PathBuf,
     compilers: Vec<(Platform, Compiler)>,
 }
 
@@ -48,17 +53,23 @@ impl Toolchain {
     /// Fetches what these platforms need.
     pub fn prepare(workspace: &Workspace, platforms: &[Platform]) -> Result<Self, String> {
         let python = python::environment(workspace, &format!("{FOLDER}/python"), REQUIREMENTS)?;
-        let unused = workspace.path(FOLDER).join("unused");
-        fs::create_dir_all(&unused).map_err(|e| format!("{}: {e}", unused.display()))?;
-        for name in UNUSED {
-            let path = unused.join(name);
-            fs::write(&path, EMPTY_ARCHIVE).map_err(|e| format!("{}: {e}", path.display()))?;
+        let mut ask = workspace.command(&python);
+        let output = ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
+        let output = output.output().map_err(|e| format!("python: {e}"))?;
+        let zig = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
+        for (name, definition) in UNUSED {
+            let path = format!("lib/libc/mingw/lib-common/{name}.def");
+            write_whole(&zig.join(path), definition.as_bytes())?;
         }
         let mut compilers = Vec::new();
         for platform in platforms {
             compilers.push((*platform, Compiler::find(workspace, platform.portable)?));
         }
-        Ok(Self { python, compilers })
+        Ok(Self {
+            python,
+            zig,
+            compilers,
+        })
     }
 
     /// Builds packages for each of the platforms.
@@ -76,9 +87,6 @@ impl Toolchain {
             let mut flags = cargo::remapped_paths(workspace)?;
             if platform.is_linux() {
                 target += &format!(".{major}.{minor}");
-            } else {
-                // Relative: an absolute path would change the names of symbols.
-                flags.push(format!("\x1f-Lnative={FOLDER}/unused"));
             }
             cargo.args(["zigbuild", "--target", &target]);
             cargo.args(["--target-dir", BUILT]);
@@ -98,13 +106,9 @@ impl Toolchain {
     }
 
     /// Names and licences of the libraries that every binary contains, for those who pass it on.
-    pub fn runtime(&self, workspace: &Workspace) -> Result<Vec<(&'static str, String)>, String> {
-        let mut ask = workspace.command(&self.python);
-        let output = ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
-        let output = output.output().map_err(|e| format!("python: {e}"))?;
-        let folder = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
+    pub fn runtime(&self) -> Result<Vec<(&'static str, String)>, String> {
         let read = |(name, path): (&'static str, &str)| {
-            let text = fs::read_to_string(folder.join(path));
+            let text = fs::read_to_string(self.zig.join(path));
             let text = text.map_err(|e| format!("ziglang/{path}: {e}"))?;
             Ok((name, text.trim().to_owned()))
         };
