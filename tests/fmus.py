@@ -10,14 +10,15 @@ from ctypes import byref
 from pathlib import Path
 
 import fmpy
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.logging import addLoggerProxy
 
 from conftest import DIST, fmu
 
 SAMPLE = 0.00025
 LOGGERS = []
+EXCHANGE = (FMU2Model, FMU3Model)
 ENUMERATIONS = {
     "reference.source": {"nmpc": 1, "profile": 2},
     "feedback.law": {"lqr": 1, "lqri": 2, "pid": 3},
@@ -46,25 +47,30 @@ def hot_pendulum() -> dict[str, str]:
     return parameters("pendulum") | {"initial.thermal_load": "11"}
 
 
-class CoSimulation:
-    """One instance for Co-Simulation of a packaged (or any other) FMU."""
+class Instance:
+    """One instance of a packaged (or any other) FMU."""
+
+    # Clients of FMPy for FMI 2.0 and 3.0.
+    clients: tuple
 
     def __init__(self, path: Path, directory: Path | None = None, log=None):
         self.description = fmpy.read_model_description(str(path))
         self._owns_directory = directory is None
         self.directory = directory or Path(fmpy.extract(str(path)))
         self.fmi3 = self.description.fmiVersion.startswith("3")
+        client = self.clients[self.fmi3]
+        interface = self.description.modelExchange if client in EXCHANGE else self.description.coSimulation
         kwargs = {
             "unzipDirectory": str(self.directory),
-            "modelIdentifier": self.description.coSimulation.modelIdentifier,
+            "modelIdentifier": interface.modelIdentifier,
             "instanceName": path.stem,
         }
         kwargs["guid"] = self.description.instantiationToken if self.fmi3 else self.description.guid
         if self.fmi3:
-            self.fmu = FMU3Slave(**kwargs)
+            self.fmu = client(**kwargs)
             self.fmu.instantiate(loggingOn=log is not None, logMessage=log)
         else:
-            self.fmu = FMU2Slave(**kwargs)
+            self.fmu = client(**kwargs)
             callbacks = None
             if log is not None:
                 callbacks = fmpy.fmi2.fmi2CallbackFunctions()
@@ -147,10 +153,6 @@ class CoSimulation:
             self.set(name, value)
         self.fmu.exitInitializationMode()
 
-    def step(self, time: float, size: float = SAMPLE) -> None:
-        """One communication step."""
-        self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=size)
-
     def save(self):
         """Take a snapshot."""
         return self.fmu.getFMUState() if self.fmi3 else self.fmu.getFMUstate()
@@ -182,6 +184,40 @@ class CoSimulation:
 
     def __exit__(self, *_):
         self.close()
+
+
+class CoSimulation(Instance):
+    """One instance for Co-Simulation."""
+
+    clients = (FMU2Slave, FMU3Slave)
+
+    def step(self, time: float, size: float = SAMPLE) -> None:
+        """One communication step."""
+        self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=size)
+
+
+class ModelExchange(Instance):
+    """One instance for Model Exchange."""
+
+    clients = EXCHANGE
+
+    def events(self) -> float:
+        """Event iteration until nothing is left to do; returns the instant of the next time event."""
+        iterate = self.fmu.updateDiscreteStates if self.fmi3 else self.fmu.newDiscreteStates
+        while True:
+            again, _, _, _, defined, instant = iterate()
+            if not again:
+                return instant if defined else float("inf")
+
+    def event(self, time: float, **inputs) -> float:
+        """What an importer does at an event in Continuous-Time Mode; returns the instant of the next one."""
+        self.fmu.setTime(time)
+        self.fmu.enterEventMode()
+        for name, value in inputs.items():
+            self.set(name, value)
+        instant = self.events()
+        self.fmu.enterContinuousTimeMode()
+        return instant
 
 
 class Loop:

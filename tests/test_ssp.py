@@ -126,8 +126,8 @@ def test_fmpy_runs_it(flexarm, tmp_path):
         *("--order", "side-by-side", "-o", tmp_path / "out"),
     )
     ours = columns(tmp_path / "out" / "results.csv")
-    # FMPy's row holds outputs at the end of its step. It feeds the first step with zeros: the controller believes
-    # that the arm is at 0 rad and takes a while to find out.
+    # FMPy's row holds outputs at the end of its step. It feeds the first step with zeros: the controller
+    # believes that the arm is at 0 rad and takes a while to find out.
     difference = abs(found["plant.angle"][: len(ours["time"]) - 1] - ours["plant.angle"][1:])
     print(f"differences {difference[100:].max():.1e} rad, in the end {difference[-400:].max():.1e} rad")
     assert found["plant.angle"][-1] == pytest.approx(1.1735, abs=1e-4)
@@ -192,7 +192,8 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 MASSES = (
     HEAD
     + """<ssd:System name="masses">
-<ssd:ParameterBindings><ssd:ParameterBinding source="resources/masses.ssv" prefix="left."/></ssd:ParameterBindings>
+<ssd:ParameterBindings><ssd:ParameterBinding source="resources/masses.ssv" prefix="left."/>
+</ssd:ParameterBindings>
 <ssd:Elements>
 <ssd:Component name="left" source="resources/MassSpringSubSystem1.fmu">
 <ssd:Connectors>
@@ -234,7 +235,7 @@ VALUES = """<?xml version="1.0" encoding="UTF-8"?>
 
 @pytest.fixture(scope="module")
 def masses(tmp_path_factory) -> dict[str, bytes]:
-    """Content of an SSP of two FMUs of OpenModelica: a mass between springs each, coupled by their positions."""
+    """Content of an SSP of two FMUs of OpenModelica: a mass between springs each, coupled by position."""
     entries = {"SystemStructure.ssd": MASSES.encode(), "resources/masses.ssv": VALUES.encode()}
     with zipfile.ZipFile(wheel(tmp_path_factory)) as archive:
         for name in archive.namelist():
@@ -316,12 +317,12 @@ BAD = {
     "missing FMU": (
         None,
         None,
-        "SystemStructure.ssd:15: source `resources/MassSpringSubSystem2.fmu` is not in",
+        "SystemStructure.ssd:16: source `resources/MassSpringSubSystem2.fmu` is not in",
     ),
     "dangling connection": (
         'endElement="right" endConnector="x1"',
         'endElement="right" endConnector="x9"',
-        "SystemStructure.ssd:28: connection: element right has no connector x9",
+        "SystemStructure.ssd:29: connection: element right has no connector x9",
     ),
     "duplicate connector": (
         '<ssd:Connector name="x2" kind="input"><ssc:Real/></ssd:Connector>\n',

@@ -21,6 +21,16 @@ pub fn rate(z: f64, velocity: f64) -> f64 {
     (velocity - velocity.abs() * z) / (2.0 * DISPLACEMENT)
 }
 
+/// Change of [`rate`] with that of z and ω, each given as value and change \[1/s\].
+pub fn rate_tangent((z, z_change): (f64, f64), (velocity, change): (f64, f64)) -> f64 {
+    let direction = if velocity == 0.0 {
+        0.0
+    } else {
+        velocity.signum()
+    };
+    ((1.0 - direction * z) * change - velocity.abs() * z_change) / (2.0 * DISPLACEMENT)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

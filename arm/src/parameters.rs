@@ -103,6 +103,11 @@ impl Motor {
         torque.clamp(-self.peak_torque, self.peak_torque)
     }
 
+    /// Slope of [`Motor::saturate`]: 1 below the peak, 0 beyond.
+    pub fn passes(&self, torque: f64) -> f64 {
+        f64::from(u8::from(torque.abs() < self.peak_torque))
+    }
+
     /// Largest admissible thermal load I_lim² \[A²\] (eq 19).
     pub fn thermal_limit(&self) -> f64 {
         self.continuous_current * self.continuous_current

@@ -62,6 +62,39 @@ pub fn derivatives(
     }
 }
 
+/// Change of [`derivatives`] at `state` in a direction: of the state, the motor torque and the disturbance.
+///
+/// Beyond its peak the motor passes no change on; at rest, where eq 13 has a kink, it is that of the mean of
+/// both sides.
+pub fn tangent(
+    parameters: &Parameters,
+    motor: &Motor,
+    state: &State,
+    torque: f64,
+    (direction, torque_change, disturbance_change): (&State, f64, f64),
+) -> Derivatives {
+    let passed = motor.passes(torque) * torque_change;
+    let [_, slope] = parameters.at::<2>(state.angle);
+    let acceleration = (passed + disturbance_change
+        - parameters.damping * direction.velocity
+        - slope * direction.angle
+        - parameters.hysteresis * direction.hysteresis)
+        / parameters.inertia;
+    Derivatives {
+        angle: direction.velocity,
+        velocity: acceleration,
+        thermal_load: thermal::rate_tangent(
+            motor,
+            direction.thermal_load,
+            (motor.saturate(torque), passed),
+        ),
+        hysteresis: hysteresis::rate_tangent(
+            (state.hysteresis, direction.hysteresis),
+            (state.velocity, direction.velocity),
+        ),
+    }
+}
+
 /// State after `step` \[s\] with both torques \[N·m\] held.
 ///
 /// Angle and velocity by one classical Runge–Kutta step with z held, then z by eq 13 for the angle
@@ -142,6 +175,39 @@ mod tests {
             prop_assert_eq!(by_motor.angle, by_disturbance.angle);
             prop_assert_eq!(by_motor.velocity, by_disturbance.velocity);
             prop_assert!(by_disturbance.thermal_load < 1.0);
+        }
+
+        /// Along every direction, away from the kinks of eq 13 and of the saturation.
+        #[test]
+        fn tangent_agrees_with_differences(
+            start in prop::array::uniform4(-1.0..1.0_f64), torque in -50.0..50.0_f64,
+            along in prop::array::uniform6(-1.0..1.0_f64),
+        ) {
+            let (p, motor) = (Parameters::tflex(), Motor::tflex());
+            prop_assume!(start[1].abs() > 1e-3 && (torque.abs() - motor.peak_torque).abs() > 1e-3);
+            let state = |x: [f64; 4]| State {
+                angle: x[0],
+                velocity: x[1],
+                thermal_load: x[2],
+                hysteresis: x[3],
+            };
+            let h = 1e-6;
+            let at = |h: f64| {
+                let moved = std::array::from_fn(|i| start[i] + h * along[i]);
+                derivatives(&p, &motor, &state(moved), torque + h * along[4], h * along[5])
+            };
+            let direction = state([along[0], along[1], along[2], along[3]]);
+            let exact = tangent(&p, &motor, &state(start), torque, (&direction, along[4], along[5]));
+            let (above, below) = (at(h), at(-h));
+            for (exact, above, below) in [
+                (exact.angle, above.angle, below.angle),
+                (exact.velocity, above.velocity, below.velocity),
+                (exact.thermal_load, above.thermal_load, below.thermal_load),
+                (exact.hysteresis, above.hysteresis, below.hysteresis),
+            ] {
+                let difference = (above - below) / (2.0 * h);
+                prop_assert!((exact - difference).abs() < 1e-6 * (1.0 + exact.abs()), "{exact} {difference}");
+            }
         }
 
         /// Without damping, hysteresis and torque, ½·J·ω² + ∫g dθ is conserved.

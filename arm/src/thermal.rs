@@ -11,6 +11,12 @@ pub fn rate(motor: &Motor, thermal_load: f64, torque: f64) -> f64 {
     (heating(motor, torque) - thermal_load) / motor.thermal_time_constant
 }
 
+/// Change of [`rate`] with that of T and of the torque, which is given as value and change \[A²/s\].
+pub fn rate_tangent(motor: &Motor, load_change: f64, (torque, change): (f64, f64)) -> f64 {
+    let constant = motor.torque_constant;
+    (2.0 * torque * change / (constant * constant) - load_change) / motor.thermal_time_constant
+}
+
 /// T after the motor torque was held for `step` \[s\]: the exact solution of eq 20 \[A²\].
 pub fn update(motor: &Motor, thermal_load: f64, torque: f64, step: f64) -> f64 {
     let missing = heating(motor, torque) - thermal_load;

@@ -4,11 +4,13 @@ use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal}
 
 use crate::feedback::{self, Feedback};
 use crate::latency::Prediction;
+use crate::nmpc::grid::Grid;
 use crate::nmpc::plan::{Plan, PlanStatus};
 use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
 use crate::nmpc::settings;
 use crate::nmpc::solver::Clock;
+use crate::planning::{Origin, Planning, When};
 use crate::profile::{self, Profile};
 use crate::state::{Command, Pending, State};
 use crate::{Reference, feedforward};
@@ -64,11 +66,12 @@ pub struct Controller {
     source: ReferenceSource,
     feedback: Feedback,
     profile: Profile,
-    planner: Planner,
+    /// Of the plans.
+    grid: Grid,
+    /// None while a plan is made elsewhere.
+    planning: Option<Box<Planning>>,
     /// Samples from the measurement of a plan until it is applied.
     latency: u64,
-    /// None where plans are applied at once, or start from the state as measured.
-    prediction: Option<Prediction>,
     state: State,
 }
 
@@ -114,6 +117,12 @@ impl Controller {
         let prediction = (latency > 0.0 && nmpc.models_latency)
             .then(|| Prediction::new(arm, motor, &model, latency as usize, *sample_period));
         let state = State::new(*initial_thermal_load, planner.state());
+        let grid = planner.grid().clone();
+        let planning = Planning {
+            planner,
+            prediction,
+            from: state.origin,
+        };
         Ok(Self {
             arm: *arm,
             motor: *motor,
@@ -126,29 +135,36 @@ impl Controller {
                 max_acceleration: *profile_max_acceleration,
                 sample_period: *sample_period,
             },
-            planner,
+            grid,
+            planning: Some(Box::new(planning)),
             latency: latency as u64,
-            prediction,
             state,
         })
     }
 
     /// Tells the time from now on, without which `nmpc.deadline` is not kept.
     pub fn set_clock(&mut self, clock: Box<dyn Clock>) {
-        self.planner.set_clock(clock);
+        if let Some(planning) = &mut self.planning {
+            planning.planner.set_clock(clock);
+        }
     }
 
-    /// Takes one sample: `angle` measured and `setpoint` wanted \[rad\].
+    /// Takes one sample: `angle` measured and `setpoint` wanted \[rad\]. Makes a plan when it is due.
     ///
     /// The first sample sets the reference to rest at the measured angle. Without a usable angle the
     /// last good command is held: time and thermal load go on, all else waits. Without a usable setpoint
     /// the last good one stays in force; before the first, the command is held.
     pub fn sample(&mut self, angle: f64, setpoint: f64) -> Command {
+        self.sample_and_plan(angle, setpoint, When::Due)
+    }
+
+    /// [`Controller::sample`] with a plan when somebody else's clock asks for it.
+    pub fn sample_and_plan(&mut self, angle: f64, setpoint: f64, plan: When) -> Command {
         if usable(setpoint) {
             self.state.setpoint = Some(setpoint);
         }
         match self.state.setpoint {
-            Some(setpoint) if usable(angle) => self.control(angle, setpoint),
+            Some(setpoint) if usable(angle) => self.control(angle, setpoint, plan),
             _ => {
                 self.state.command.thermal_load = self.state.thermal_load;
                 self.state.command.new_plan = false;
@@ -169,6 +185,36 @@ impl Controller {
         state.command
     }
 
+    /// Takes out what makes plans, to plan from the last sample with a usable angle; none if there was no
+    /// such sample, if the reference is a profile, or if it is out already.
+    pub fn begin_plan(&mut self) -> Option<Box<Planning>> {
+        if self.state.measured == 0 || self.source != ReferenceSource::Nmpc {
+            return None;
+        }
+        let mut planning = self.planning.take()?;
+        planning.from = self.state.origin;
+        Some(planning)
+    }
+
+    /// Takes a plan that was made elsewhere back in. It applies once its latency has gone by, at the next
+    /// sample at the earliest, and its first move is in force until the next plan (sec 3.2.3).
+    pub fn finish_plan(&mut self, planning: Box<Planning>) {
+        let state = &mut self.state;
+        let plan = planning.planner.latest();
+        state.pending = Some(Pending {
+            sample: planning.from.sample + self.latency,
+            acceleration: plan.moves[0],
+            goal: plan.goal,
+            status: plan.status,
+        });
+        // Not by a derived clone_from, which allocates.
+        state.planner.clone_from(planning.planner.state());
+        // Not before the next period, whichever way the quotient rounds.
+        let period = (planning.from.sample as f64 / self.samples_per_plan) as u64;
+        state.next_plan = period.max(state.next_plan) + 1;
+        self.planning = Some(planning);
+    }
+
     /// Everything that changes while the controller runs.
     pub fn state(&self) -> &State {
         &self.state
@@ -178,7 +224,9 @@ impl Controller {
     /// [`Controller::plan`] is not brought back.
     pub fn set_state(&mut self, state: &State) {
         self.state = state.clone();
-        self.planner.set_state(&state.planner);
+        if let Some(planning) = &mut self.planning {
+            planning.planner.set_state(&state.planner);
+        }
     }
 
     /// Samples taken so far, held ones included.
@@ -191,23 +239,31 @@ impl Controller {
         self.latency as f64 * self.sample_period
     }
 
-    /// The latest plan.
-    pub fn plan(&self) -> &Plan {
-        self.planner.latest()
+    /// The latest plan; none while the next one is made elsewhere.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.planning.as_ref().map(|p| p.planner.latest())
     }
 
     /// The sample, once its inputs are known to be usable.
-    fn control(&mut self, angle: f64, setpoint: f64) {
+    fn control(&mut self, angle: f64, setpoint: f64, plan: When) {
         let velocity = self.measure(angle, setpoint);
         let mut new_plan = false;
         match self.source {
             ReferenceSource::Nmpc => {
                 self.apply_pending();
-                new_plan = self.plan_is_due();
-                if new_plan {
-                    self.plan_from(angle, velocity, setpoint);
+                self.state.origin = self.origin(angle, velocity, setpoint);
+                let now = match plan {
+                    When::Due => self.plan_is_due(),
+                    When::Now => true,
+                    When::Never => false,
+                };
+                if now && let Some(mut planning) = self.begin_plan() {
+                    planning.run();
+                    self.finish_plan(planning);
                     self.apply_pending();
+                    new_plan = true;
                 }
+                self.go_on_if_late();
             }
             ReferenceSource::Profile => {
                 let state = &mut self.state;
@@ -268,7 +324,24 @@ impl Controller {
             state.reference.acceleration = pending.acceleration;
             state.goal = pending.goal;
             state.plan_status = pending.status;
+            state.in_force = state.samples;
         }
+    }
+
+    /// Where the next plan is not there in time the one in force goes on, to rest at its end.
+    fn go_on_if_late(&mut self) {
+        let state = &mut self.state;
+        let since = (state.samples - state.in_force) as f64;
+        let Some(age) = state.planner.age.filter(|_| since >= self.samples_per_plan) else {
+            return;
+        };
+        let period = self.samples_per_plan * self.sample_period;
+        let ago = f64::from(age) * period + since * self.sample_period;
+        match self.grid.move_at(&state.planner.moves, ago) {
+            Some(acceleration) => state.reference.acceleration = acceleration,
+            None => state.reference = Reference::at_rest(state.reference.angle),
+        }
+        state.plan_status = PlanStatus::ShiftedPlan;
     }
 
     /// Whether this is the first usable sample at or after the beginning of the next plan period.
@@ -276,37 +349,24 @@ impl Controller {
         self.state.samples as f64 >= self.state.next_plan as f64 * self.samples_per_plan
     }
 
-    /// Makes a plan; its first move is in force from the end of the latency until the next one
-    /// (sec 3.2.3).
-    fn plan_from(&mut self, angle: f64, velocity: f64, setpoint: f64) {
-        let state = &mut self.state;
-        let measured = Initial {
-            angle,
-            velocity,
-            reference_angle: state.reference.angle,
-            reference_velocity: state.reference.velocity,
-            integral: state.integral,
-            feedback_integral: state.feedback.integral,
-            thermal_load: state.thermal_load,
-        };
-        let initial = match &mut self.prediction {
-            Some(prediction) => {
-                prediction.predict(&measured, state.reference.acceleration, state.goal)
-            }
-            None => measured,
-        };
-        let plan = self.planner.plan(&initial, setpoint);
-        state.pending = Some(Pending {
-            sample: state.samples + self.latency,
-            acceleration: plan.moves[0],
-            goal: plan.goal,
-            status: plan.status,
-        });
-        // Not by a derived clone_from, which allocates.
-        state.planner.clone_from(self.planner.state());
-        // Not before the next period, whichever way the quotient rounds.
-        let period = (state.samples as f64 / self.samples_per_plan) as u64;
-        state.next_plan = period.max(state.next_plan) + 1;
+    /// What a plan from this sample begins with.
+    fn origin(&self, angle: f64, velocity: f64, setpoint: f64) -> Origin {
+        let state = &self.state;
+        Origin {
+            sample: state.samples,
+            measured: Initial {
+                angle,
+                velocity,
+                reference_angle: state.reference.angle,
+                reference_velocity: state.reference.velocity,
+                integral: state.integral,
+                feedback_integral: state.feedback.integral,
+                thermal_load: state.thermal_load,
+            },
+            acceleration: state.reference.acceleration,
+            goal: state.goal,
+            setpoint,
+        }
     }
 }
 

@@ -18,6 +18,7 @@ pub mod feedforward;
 mod latency;
 mod lowpass;
 pub mod nmpc;
+mod planning;
 pub mod profile;
 mod reference;
 pub mod riccati;
@@ -25,5 +26,6 @@ mod sets;
 mod state;
 
 pub use controller::{Controller, LARGEST_ANGLE, ReferenceSource, Settings, usable};
+pub use planning::{Planning, When};
 pub use reference::Reference;
 pub use state::{Command, State};

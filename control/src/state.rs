@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nmpc::plan::{PlanStatus, PlannerState};
+use crate::planning::Origin;
 use crate::{Reference, feedback, profile};
 
 /// Result of one sample.
@@ -53,8 +54,12 @@ pub struct State {
     pub(crate) setpoint: Option<f64>,
     /// Number of the plan period with which the next plan is due.
     pub(crate) next_plan: u64,
+    /// The last sample with a usable angle, as a plan begins with it.
+    pub(crate) origin: Origin,
     /// The plan that waits for its latency to go by.
     pub(crate) pending: Option<Pending>,
+    /// Number of the sample from which the plan in force applies.
+    pub(crate) in_force: u64,
     /// How the plan in force came to be.
     pub(crate) plan_status: PlanStatus,
     /// Reference of the next sample, with the move in force.
@@ -82,6 +87,8 @@ impl State {
             angle: 0.0,
             setpoint: None,
             next_plan: 0,
+            origin: Origin::default(),
+            in_force: 0,
             pending: None,
             plan_status: PlanStatus::Idle,
             reference: Reference::default(),

@@ -58,7 +58,8 @@ fn run(settings: &Settings) -> Run {
         run.allocations += ALLOCATIONS.get() - before;
         angle = command.reference.angle;
         run.plans += u32::from(command.new_plan);
-        run.iterated += u32::from(command.new_plan && controller.plan().iterations > 0);
+        run.iterated +=
+            u32::from(command.new_plan && controller.plan().expect("at hand").iterations > 0);
     }
     run
 }
@@ -131,8 +132,10 @@ fn table_2_allocates_nothing() {
                     let command = closed_loop.step(setpoint, 0.0);
                     assert_eq!(ALLOCATIONS.get(), before);
                     plans += u32::from(command.new_plan);
-                    iterated +=
-                        u32::from(command.new_plan && closed_loop.controller.plan().iterations > 0);
+                    iterated += u32::from(
+                        command.new_plan
+                            && closed_loop.controller.plan().expect("at hand").iterations > 0,
+                    );
                 }
             }
         }

@@ -7,7 +7,7 @@ use common::{Loop, feedback_of_equation_36, with_profile};
 use control::feedback::Law;
 use control::nmpc::plan::PlanStatus;
 use control::nmpc::settings;
-use control::{Command, Controller, Reference, Settings, State};
+use control::{Command, Controller, Reference, Settings, State, When};
 use proptest::prelude::*;
 
 fn controllers() -> [(&'static str, Settings); 5] {
@@ -60,7 +60,7 @@ fn one_sample_is_the_sum_of_its_parts() {
     let second = controller.sample(1.3001, 1.35);
 
     let u = first.reference.acceleration;
-    assert_eq!(u, controller.plan().moves[0]);
+    assert_eq!(u, controller.plan().expect("at hand").moves[0]);
     assert!(u > 1.0);
     assert_eq!(second.reference.angle, 1.30 + 0.5 * u * h * h);
     assert_eq!(second.reference.velocity, u * h);
@@ -281,7 +281,7 @@ fn snapshot_continues_to_the_bit() {
                 let expected = original.step(setpoint(k), 0.0);
                 let got = resumed.step(setpoint(k), 0.0);
                 assert_eq!(got, expected, "{name}, {saved_at}, {k}");
-                conic += original.controller.plan().iterations;
+                conic += original.controller.plan().expect("at hand").iterations;
             }
             assert_eq!(original.controller.state(), resumed.controller.state());
         }
@@ -337,4 +337,71 @@ fn settings_of_the_planner_are_checked_too() {
     settings.nmpc.thermal_share = 2.0;
     let names: Vec<_> = refusals(&settings).iter().map(|e| e.name).collect();
     assert_eq!(names, ["nmpc.horizon", "nmpc.thermal_share"]);
+}
+
+/// A planner that is late, or never comes, leaves the plan in force: it goes on to rest at its goal.
+#[test]
+fn without_a_next_plan_the_last_one_goes_on_to_rest() {
+    let settings = Settings::pendulum();
+    let per_plan = (settings.nmpc.period / settings.sample_period).round() as usize;
+    let mut controller = Controller::new(&settings).expect("admissible");
+    let start = 0.7;
+    controller.sample_and_plan(start, 1.0, When::Now);
+    let plan = controller.plan().expect("at hand").clone();
+    let trajectory = &plan.trajectory;
+    let mut command = Command::default();
+    for k in 1..=(plan.moves.len() + 2) * per_plan {
+        command = controller.sample_and_plan(start, 1.0, When::Never);
+        let late = k >= per_plan;
+        assert_eq!(command.plan_status == PlanStatus::ShiftedPlan, late, "{k}");
+        if k % per_plan == 0 && k / per_plan < plan.moves.len() {
+            let node = k / per_plan;
+            let reference = command.reference;
+            assert!(
+                (reference.angle - trajectory.reference_angle[node]).abs() < 1e-9,
+                "{node}"
+            );
+            assert_eq!(reference.acceleration, plan.moves[node]);
+        }
+    }
+    assert_eq!(
+        (command.reference.velocity, command.reference.acceleration),
+        (0.0, 0.0)
+    );
+    assert!((command.reference.angle - plan.goal).abs() < 1e-9);
+}
+
+/// What a partition of its own plans is what the sample would have planned, and applies as late.
+#[test]
+fn plans_made_elsewhere_are_those_of_the_sample() {
+    for latency in [1.0, 37.0] {
+        let mut settings = Settings::pendulum();
+        settings.nmpc.latency = latency * settings.sample_period;
+        let per_plan = (settings.nmpc.period / settings.sample_period).round() as usize;
+        let [mut whole, mut split] =
+            [0, 1].map(|_| Controller::new(&settings).expect("admissible"));
+        let mut planning = None;
+        for k in 0..5 * per_plan {
+            let (angle, setpoint) = (0.7 + 1e-4 * (k as f64 * 0.01).sin(), 1.0);
+            if k % per_plan == latency as usize {
+                split.finish_plan(planning.take().expect("begun"));
+            }
+            let expected = whole.sample(angle, setpoint);
+            let command = split.sample_and_plan(angle, setpoint, When::Never);
+            let new_plan = expected.new_plan;
+            assert_eq!(
+                command,
+                Command {
+                    new_plan: false,
+                    ..expected
+                },
+                "{k}"
+            );
+            if new_plan {
+                planning = split.begin_plan();
+                assert!(split.begin_plan().is_none() && split.plan().is_none());
+                planning.as_mut().expect("begun").run();
+            }
+        }
+    }
 }

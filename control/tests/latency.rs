@@ -57,7 +57,10 @@ fn the_first_move_waits_for_the_latency() {
     }
     let command = controller.sample(1.30, 1.10);
     assert_eq!(command.plan_status, PlanStatus::Solved);
-    assert_eq!(command.reference.acceleration, controller.plan().moves[0]);
+    assert_eq!(
+        command.reference.acceleration,
+        controller.plan().expect("at hand").moves[0]
+    );
     assert!(command.reference.acceleration < -1.0);
 }
 
@@ -93,9 +96,10 @@ fn plans_apply_on_time() {
                         "{rate}, {latency}, {sample}"
                     );
                     made = Some(sample);
-                    if let Some((due, u)) =
-                        waiting.replace((sample + expected, closed_loop.controller.plan().moves[0]))
-                    {
+                    if let Some((due, u)) = waiting.replace((
+                        sample + expected,
+                        closed_loop.controller.plan().expect("at hand").moves[0],
+                    )) {
                         // The one before applies at the latest when the next one is made.
                         assert!(
                             expected == 0 || (due == sample && u == now),

@@ -45,7 +45,12 @@ static MODEL: Model = Model {
     ],
     states: &[],
     derivatives: &[],
+    event_indicators: &[],
+    clocks: &[],
+    event_mode: false,
+    scheduled_execution: false,
     model_exchange: false,
+    directional_derivatives: false,
     log_categories: &["logStatusError", "logStatusWarning", "logStatusFatal"],
 };
 
@@ -75,6 +80,7 @@ pub struct Fault;
 impl Unit for Fault {
     type Variables = FaultVariables;
     type State = ();
+    type Job = ();
 
     fn initial_outputs(_: &mut FaultVariables) {}
 

@@ -164,15 +164,15 @@ impl<U: Unit> Instance<U> {
         addressing: Addressing,
     ) -> Result<(), Failure> {
         check_count::<U>(references, values.len(), addressing)?;
-        for store in [false, true] {
+        for stored in [false, true] {
             let mut sources = values.iter();
             for &reference in references {
                 let (variable, first, count) = locate::<U>(reference, addressing)?;
                 for (index, &source) in (first..first + count).zip(&mut sources) {
                     let element =
                         T::inward(source, variable.kind).ok_or_else(|| mismatch(variable))?;
-                    if store {
-                        self.store(variable, index, element)?;
+                    if stored {
+                        store(&mut self.now.variables, variable, index, element)?;
                     } else {
                         self.check_settable(variable, index, element)?;
                         check_admissible(variable, index, element)?;
@@ -217,25 +217,25 @@ impl<U: Unit> Instance<U> {
         }
         element(&self.now.variables, variable, index)
     }
+}
 
-    fn store(
-        &mut self,
-        variable: &'static Variable,
-        index: usize,
-        element: Element,
-    ) -> Result<(), Failure> {
-        let values = self.now.variables.values_mut(variable.value_reference);
-        match (values, element) {
-            (Some(ValuesMut::Float64(slots)), Element::Float64(value)) => put(slots, index, value),
-            (Some(ValuesMut::Int32(slots)), Element::Int32(value)) => put(slots, index, value),
-            (Some(ValuesMut::Boolean(slots)), Element::Boolean(value)) => put(slots, index, value),
-            (Some(ValuesMut::Enumeration(slots)), Element::Enumeration(value)) => {
-                put(slots, index, value)
-            }
-            _ => None,
+/// Writes one element.
+pub(crate) fn store<V: Variables>(
+    variables: &mut V,
+    variable: &'static Variable,
+    index: usize,
+    element: Element,
+) -> Result<(), Failure> {
+    match (variables.values_mut(variable.value_reference), element) {
+        (Some(ValuesMut::Float64(slots)), Element::Float64(value)) => put(slots, index, value),
+        (Some(ValuesMut::Int32(slots)), Element::Int32(value)) => put(slots, index, value),
+        (Some(ValuesMut::Boolean(slots)), Element::Boolean(value)) => put(slots, index, value),
+        (Some(ValuesMut::Enumeration(slots)), Element::Enumeration(value)) => {
+            put(slots, index, value)
         }
-        .ok_or_else(|| mismatch(variable))
+        _ => None,
     }
+    .ok_or_else(|| mismatch(variable))
 }
 
 fn put<T>(slots: &mut [T], index: usize, value: T) -> Option<()> {
@@ -243,7 +243,8 @@ fn put<T>(slots: &mut [T], index: usize, value: T) -> Option<()> {
     Some(())
 }
 
-fn element<V: Variables>(
+/// Reads one element.
+pub(crate) fn element<V: Variables>(
     variables: &V,
     variable: &'static Variable,
     index: usize,
@@ -279,8 +280,22 @@ pub(crate) fn same_parameters<V: Variables>(a: &V, b: &V) -> bool {
         .all(|v| a.values(v.value_reference) == b.values(v.value_reference))
 }
 
+/// The elements that references name, one after the other; unknown ones are left out.
+pub(crate) fn elements<U: Unit>(
+    references: &[u32],
+    addressing: Addressing,
+) -> impl Iterator<Item = (&'static Variable, usize)> {
+    references
+        .iter()
+        .flat_map(move |&reference| {
+            let (variable, first, count) = locate::<U>(reference, addressing).ok()?;
+            Some((first..first + count).map(move |index| (variable, index)))
+        })
+        .flatten()
+}
+
 /// The variable that a reference names, its first element meant and their number.
-fn locate<U: Unit>(
+pub(crate) fn locate<U: Unit>(
     reference: u32,
     addressing: Addressing,
 ) -> Result<(&'static Variable, usize, usize), Failure> {

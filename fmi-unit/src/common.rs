@@ -16,6 +16,7 @@ use crate::access::{Addressing, Transfer};
 use crate::guard::call;
 use crate::legality::{ALWAYS, Row};
 use crate::pointer::{slice, slice_mut, string, target};
+use crate::sensitivity::Product;
 use crate::snapshot::Snapshot;
 use crate::unit::{Failure, Unit};
 
@@ -71,6 +72,27 @@ pub(crate) unsafe fn set<U: Unit, T: Transfer>(
             let references = slice(references, n, "value references")?;
             let values = slice(values, n_values, "values")?;
             i.set::<T>(references, values, addressing)
+        })
+    }
+}
+
+/// Multiplies partial derivatives with a seed.
+pub(crate) unsafe fn sensitivity<U: Unit>(
+    instance: *mut c_void,
+    (name, row): (Name, &Row),
+    product: Product,
+    [unknowns, knowns]: [(*const u32, usize); 2],
+    seed: (*const f64, usize),
+    sensitivity: (*mut f64, usize),
+    addressing: Addressing,
+) -> c_int {
+    unsafe {
+        call::<U>(instance, name, row, |i| {
+            let unknowns = slice(unknowns.0, unknowns.1, "unknowns")?;
+            let knowns = slice(knowns.0, knowns.1, "knowns")?;
+            let seed = slice(seed.0, seed.1, "seed")?;
+            let sensitivity = slice_mut(sensitivity.0, sensitivity.1, "sensitivity")?;
+            i.sensitivity(product, [unknowns, knowns], seed, sensitivity, addressing)
         })
     }
 }

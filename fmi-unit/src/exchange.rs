@@ -1,6 +1,6 @@
 //! Model Exchange: the importer integrates, the instance answers for states, derivatives and events.
 
-use crate::instance::{Instance, rounding};
+use crate::instance::{Instance, Interface, rounding};
 use crate::legality::Mode;
 use crate::model::{Values, Variables};
 use crate::unit::{Failure, Unit};
@@ -59,7 +59,7 @@ impl<U: Unit> Instance<U> {
         check_finite::<U>(derivatives)
     }
 
-    /// Before the unit exists, states and derivatives are among the initial outputs.
+    /// Values of variables: before the unit exists, states and derivatives are among the initial outputs.
     fn initial(&mut self, references: &[u32], values: &mut [f64]) {
         self.refresh();
         for (value, &reference) in values.iter_mut().zip(references) {
@@ -75,20 +75,44 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// A unit has no event indicators.
-    pub(crate) fn get_event_indicators(&self, indicators: &mut [f64]) -> Result<(), Failure> {
-        match indicators.len() {
-            0 => Ok(()),
-            n => Err(Failure(format!("{n} values for 0 event indicators"))),
+    /// Event indicators are variables of the unit.
+    pub(crate) fn get_event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), Failure> {
+        let references = U::Variables::MODEL.event_indicators;
+        if indicators.len() != references.len() {
+            let (n, own) = (indicators.len(), references.len());
+            return Err(Failure(format!("{n} values for {own} event indicators")));
         }
+        self.initial(references, indicators);
+        Ok(())
     }
 
-    pub(crate) fn enter_event_mode(&mut self) {
+    pub(crate) fn enter_event_mode(&mut self) -> Result<(), Failure> {
+        if self.now.interface == Interface::CoSimulation {
+            return Err(Failure("eventModeUsed was false at instantiation".into()));
+        }
         self.now.mode = Mode::Event;
+        Ok(())
     }
 
-    pub(crate) fn enter_continuous_time(&mut self) {
+    pub(crate) fn enter_continuous_time(&mut self) -> Result<(), Failure> {
+        if self.now.interface != Interface::ModelExchange {
+            return Err(Failure("this is for Model Exchange".into()));
+        }
         self.now.mode = Mode::ContinuousTime;
+        Ok(())
+    }
+
+    pub(crate) fn enter_step_mode(&mut self) -> Result<(), Failure> {
+        match self.now.interface {
+            Interface::EventfulCoSimulation => {
+                self.now.mode = Mode::Step;
+                Ok(())
+            }
+            Interface::CoSimulation => {
+                Err(Failure("eventModeUsed was false at instantiation".into()))
+            }
+            _ => Err(Failure("this is for Co-Simulation".into())),
+        }
     }
 
     /// Returns whether the importer must enter Event Mode: the unit asks for it, or a time event is due
@@ -101,15 +125,18 @@ impl<U: Unit> Instance<U> {
         Ok(self.now.step_event || self.is_due(next))
     }
 
-    /// Carries out one event, if one is due.
+    /// Carries out one event: the ticks of clocks, or one that is due.
     pub(crate) fn update_discrete(&mut self) -> Result<EventInfo, Failure> {
         let time = self.now.time;
         let next = self.next_event()?;
         let timed = self.is_due(next);
         let mut states_changed = false;
-        if timed || self.now.step_event {
+        let ticks = std::mem::take(&mut self.now.ticks);
+        if timed || self.now.step_event || !ticks.is_empty() {
             self.remember_states(0);
-            if timed {
+            if !ticks.is_empty() {
+                self.act(|unit, variables, log| unit.tick(variables, ticks, time, log))?;
+            } else if timed {
                 self.timed_event(next)?;
             } else {
                 self.act(|unit, variables, log| unit.event(variables, time, log))?;
@@ -130,7 +157,7 @@ impl<U: Unit> Instance<U> {
         })
     }
 
-    fn is_due(&self, event: f64) -> bool {
+    pub(crate) fn is_due(&self, event: f64) -> bool {
         event <= self.now.time + EVENT_TOLERANCE + rounding(self.now.time)
     }
 

@@ -26,6 +26,7 @@ use crate::instance::{Instance, Interface};
 use crate::legality::{ALWAYS, Mode, fmi2 as table};
 use crate::logger::Logger;
 use crate::pointer::{slice, slice_mut, string, target};
+use crate::sensitivity::Product;
 use crate::step::Progress;
 use crate::unit::{Failure, Unit};
 
@@ -103,8 +104,8 @@ plain! {
     fmi2ExitInitializationMode, EXIT_INITIALIZATION: |i| i.exit_initialization();
     fmi2Terminate, TERMINATE: |i| { i.terminate(); Ok(()) };
     fmi2Reset, RESET: |i| { i.reset(); Ok(()) };
-    fmi2EnterEventMode, ENTER_EVENT_MODE: |i| { i.enter_event_mode(); Ok(()) };
-    fmi2EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| { i.enter_continuous_time(); Ok(()) };
+    fmi2EnterEventMode, ENTER_EVENT_MODE: |i| i.enter_event_mode();
+    fmi2EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| i.enter_continuous_time();
 }
 
 macro_rules! variables {
@@ -175,15 +176,18 @@ pub unsafe fn fmi2DeSerializeFMUstate<U: Unit>(
 
 pub unsafe fn fmi2GetDirectionalDerivative<U: Unit>(
     c: fmi2Component,
-    _unknowns: *const fmi2ValueReference,
-    _n_unknowns: usize,
-    _knowns: *const fmi2ValueReference,
-    _n_knowns: usize,
-    _seed: *const fmi2Real,
-    _sensitivity: *mut fmi2Real,
+    unknowns: *const fmi2ValueReference,
+    n_unknowns: usize,
+    knowns: *const fmi2ValueReference,
+    n_knowns: usize,
+    seed: *const fmi2Real,
+    sensitivity: *mut fmi2Real,
 ) -> fmi2Status {
-    let name = "fmi2GetDirectionalDerivative";
-    unsafe { common::undeclared::<U>(c, name, true, "the directional derivative") }
+    let call = ("fmi2GetDirectionalDerivative", &table::DERIVATIVE);
+    let references = [(unknowns, n_unknowns), (knowns, n_knowns)];
+    let (seed, sensitivity) = ((seed, n_knowns), (sensitivity, n_unknowns));
+    let product = Product::Directional;
+    unsafe { common::sensitivity::<U>(c, call, product, references, seed, sensitivity, Elements) }
 }
 
 pub unsafe fn fmi2NewDiscreteStates<U: Unit>(
@@ -302,8 +306,8 @@ pub unsafe fn fmi2DoStep<U: Unit>(
 ) -> fmi2Status {
     unsafe {
         call::<U>(c, "fmi2DoStep", &table::DO_STEP, |i| {
-            let step = i.begin_step(point, size)?;
-            while let Progress::Event(_) = i.proceed(&step)? {}
+            let mut step = i.begin_step(point, size)?;
+            while let Progress::Event(_) = i.proceed(&mut step)? {}
             Ok(())
         })
     }

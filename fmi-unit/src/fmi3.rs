@@ -21,18 +21,21 @@ use std::ffi::c_char;
 use crate::access::Addressing;
 use crate::access::{Absent, Boolean, Float64, Int32, Int64};
 use crate::common;
-use crate::guard::{call, create, release};
+use crate::guard::{Preemption, call, create, release};
 use crate::instance::{Instance, Interface};
 use crate::legality::fmi3 as table;
 use crate::logger::Logger;
 use crate::model::Variables;
 use crate::pointer::{slice, slice_mut, string, target};
-use crate::unit::{Failure, Unit};
+use crate::sensitivity::Product;
+use crate::unit::Unit;
 
 mod absent;
+mod clocks;
 mod do_step;
 
 pub use absent::*;
+pub use clocks::*;
 pub use do_step::fmi3DoStep;
 
 pub(crate) use do_step::IntermediateUpdate;
@@ -93,7 +96,11 @@ pub unsafe fn fmi3InstantiateCoSimulation<U: Unit>(
     create("fmi3InstantiateCoSimulation", logger, |logger| {
         let (name, token) = unsafe { (string(name), string(token)) };
         let logging = logging != fmi3False;
-        let interface = Interface::CoSimulation;
+        let interface = if event_mode_used == fmi3False {
+            Interface::CoSimulation
+        } else {
+            Interface::EventfulCoSimulation
+        };
         let mut instance = Instance::<U>::new(
             logger,
             name.as_deref(),
@@ -101,9 +108,7 @@ pub unsafe fn fmi3InstantiateCoSimulation<U: Unit>(
             interface,
             logging,
         )?;
-        if event_mode_used != fmi3False {
-            return Err(Failure("Co-Simulation has no Event Mode here".into()));
-        }
+        instance.early_return_allowed = early_return_allowed != fmi3False;
         instance.intermediate_update = intermediate_update.map(|callback| IntermediateUpdate {
             callback,
             environment,
@@ -115,21 +120,30 @@ pub unsafe fn fmi3InstantiateCoSimulation<U: Unit>(
 
 pub unsafe fn fmi3InstantiateScheduledExecution<U: Unit>(
     name: fmi3String,
-    _token: fmi3String,
+    token: fmi3String,
     _resources: fmi3String,
     _visible: fmi3Boolean,
     logging: fmi3Boolean,
     environment: fmi3InstanceEnvironment,
     log: fmi3LogMessageCallback,
     _clock_update: fmi3ClockUpdateCallback,
-    _lock: fmi3LockPreemptionCallback,
-    _unlock: fmi3UnlockPreemptionCallback,
+    lock: fmi3LockPreemptionCallback,
+    unlock: fmi3UnlockPreemptionCallback,
 ) -> fmi3Instance {
     let logger = Logger::fmi3(log, environment);
-    create::<U>("fmi3InstantiateScheduledExecution", logger, |logger| {
-        let name = unsafe { string(name) };
-        Instance::<U>::identify(logger, name.as_deref(), logging != fmi3False);
-        Err(Failure("Scheduled Execution is not provided".into()))
+    create("fmi3InstantiateScheduledExecution", logger, |logger| {
+        let (name, token) = unsafe { (string(name), string(token)) };
+        let logging = logging != fmi3False;
+        let interface = Interface::ScheduledExecution;
+        let mut instance = Instance::<U>::new(
+            logger,
+            name.as_deref(),
+            token.as_deref(),
+            interface,
+            logging,
+        )?;
+        instance.preemption = Preemption { lock, unlock };
+        Ok(instance)
     })
 }
 
@@ -169,8 +183,9 @@ plain! {
     fmi3ExitInitializationMode, EXIT_INITIALIZATION: |i| i.exit_initialization();
     fmi3Terminate, TERMINATE: |i| { i.terminate(); Ok(()) };
     fmi3Reset, RESET: |i| { i.reset(); Ok(()) };
-    fmi3EnterEventMode, ENTER_EVENT_MODE: |i| { i.enter_event_mode(); Ok(()) };
-    fmi3EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| { i.enter_continuous_time(); Ok(()) };
+    fmi3EnterEventMode, ENTER_EVENT_MODE: |i| i.enter_event_mode();
+    fmi3EnterContinuousTimeMode, ENTER_CONTINUOUS: |i| i.enter_continuous_time();
+    fmi3EnterStepMode, ENTER_STEP_MODE: |i| i.enter_step_mode();
 }
 
 macro_rules! variables {
@@ -350,6 +365,27 @@ fill! {
     fmi3GetEventIndicators: |i, values| i.get_event_indicators(values);
 }
 
+macro_rules! derivative {
+    ($($name:ident: $product:ident;)+) => {$(
+        pub unsafe fn $name<U: Unit>(
+            instance: fmi3Instance, unknowns: *const fmi3ValueReference, n_unknowns: usize,
+            knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize,
+            sensitivity: *mut fmi3Float64, n_sensitivity: usize,
+        ) -> fmi3Status {
+            let call = (stringify!($name), &table::DERIVATIVE);
+            let references = [(unknowns, n_unknowns), (knowns, n_knowns)];
+            let (seed, sensitivity) = ((seed, n_seed), (sensitivity, n_sensitivity));
+            let (product, addressing) = (Product::$product, Addressing::Variables);
+            unsafe { common::sensitivity::<U>(instance, call, product, references, seed, sensitivity, addressing) }
+        }
+    )+};
+}
+
+derivative! {
+    fmi3GetDirectionalDerivative: Directional;
+    fmi3GetAdjointDerivative: Adjoint;
+}
+
 /// Functions that tell a number that is known before the simulation.
 macro_rules! count {
     ($($name:ident: $count:expr;)+) => {$(
@@ -366,5 +402,5 @@ macro_rules! count {
 
 count! {
     fmi3GetNumberOfContinuousStates: U::Variables::MODEL.states.len();
-    fmi3GetNumberOfEventIndicators: 0;
+    fmi3GetNumberOfEventIndicators: U::Variables::MODEL.event_indicators.len();
 }

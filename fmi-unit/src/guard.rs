@@ -3,6 +3,7 @@
 //! A panic must not cross into the importer, which is C: it becomes status Fatal and a log message,
 //! and the instance is poisoned, so that no later call can see the state that the panic left behind.
 
+use fmi_abi::fmi3::{fmi3LockPreemptionCallback, fmi3UnlockPreemptionCallback};
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
@@ -29,9 +30,20 @@ const IDLE: u8 = 0;
 const BUSY: u8 = 1;
 const POISONED: u8 = 2;
 
+/// Attempts to get hold of an instance in Scheduled Execution; some 10 ms.
+const PATIENCE: u32 = 1 << 20;
+
+/// Callbacks of an importer that preempts one partition by another (FMI 3.0 sec 5.2.1).
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Preemption {
+    pub(crate) lock: fmi3LockPreemptionCallback,
+    pub(crate) unlock: fmi3UnlockPreemptionCallback,
+}
+
 /// What an instance pointer points to.
 pub(crate) struct Handle<U: Unit> {
     occupancy: AtomicU8,
+    preemption: Preemption,
     instance: UnsafeCell<Instance<U>>,
 }
 
@@ -78,6 +90,26 @@ pub(crate) unsafe fn enter<U: Unit, T>(
     }
 }
 
+/// Carries out `body` while the importer lets no other partition in.
+///
+/// # Safety
+/// As for [`enter`]; the importer's callbacks are still valid.
+pub(crate) unsafe fn uninterrupted<U: Unit, T>(handle: *mut c_void, body: impl FnOnce() -> T) -> T {
+    // SAFETY: by contract; nobody writes to these fields.
+    let handle = unsafe { handle.cast::<Handle<U>>().as_ref() };
+    let Preemption { lock, unlock } = handle.map(|h| h.preemption).unwrap_or_default();
+    if let Some(lock) = lock {
+        // SAFETY: called as the standard says.
+        unsafe { lock() }
+    }
+    let outcome = body();
+    if let Some(unlock) = unlock {
+        // SAFETY: likewise.
+        unsafe { unlock() }
+    }
+    outcome
+}
+
 /// [`enter`] for a body whose result is nothing but success.
 ///
 /// # Safety
@@ -102,6 +134,7 @@ pub(crate) fn create<U: Unit>(
     let outcome = catch_unwind(AssertUnwindSafe(|| match make(&mut logger) {
         Ok(instance) => Box::into_raw(Box::new(Handle {
             occupancy: AtomicU8::new(IDLE),
+            preemption: instance.preemption,
             instance: UnsafeCell::new(instance),
         })),
         Err(Failure(reason)) => {
@@ -157,16 +190,27 @@ pub(crate) unsafe fn release<U: Unit>(handle: *mut c_void, name: &'static str) {
 }
 
 impl<U: Unit> Handle<U> {
+    /// Partitions that run on several processors meet here: each call waits for the other, which takes
+    /// microseconds. A callback that calls back would wait for itself, hence the bound.
     fn claim(&self) -> Result<(), Status> {
-        match self
-            .occupancy
-            // Acquire on failure too: who finds poison may free what the panic left.
-            .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Acquire)
-        {
-            Ok(_) => Ok(()),
-            Err(POISONED) => Err(Status::Fatal),
-            Err(_) => Err(Status::Error),
+        let patience = if self.preemption.lock.is_some() {
+            PATIENCE
+        } else {
+            0
+        };
+        for attempt in 0.. {
+            match self
+                .occupancy
+                // Acquire on failure too: who finds poison may free what the panic left.
+                .compare_exchange(IDLE, BUSY, Ordering::Acquire, Ordering::Acquire)
+            {
+                Ok(_) => return Ok(()),
+                Err(POISONED) => return Err(Status::Fatal),
+                Err(_) if attempt < patience => std::hint::spin_loop(),
+                Err(_) => break,
+            }
         }
+        Err(Status::Error)
     }
 }
 

@@ -3,11 +3,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::clock::Ticks;
 use crate::fmi3::IntermediateUpdate;
+use crate::guard::Preemption;
 use crate::legality::{Mode, Row, Verdict};
 use crate::log::{Log, Severity};
 use crate::logger::{ERROR, Logger, WARNING};
 use crate::model::{Model, Variables};
+use crate::sensitivity::Columns;
 use crate::unit::{Failure, Unit};
 
 /// What the importer uses an instance for.
@@ -15,6 +18,9 @@ use crate::unit::{Failure, Unit};
 pub(crate) enum Interface {
     ModelExchange,
     CoSimulation,
+    /// Co-Simulation whose importer uses Event Mode (FMI 3.0 sec 4.2.1).
+    EventfulCoSimulation,
+    ScheduledExecution,
 }
 
 /// Everything that changes and is not the unit's own; a snapshot holds it as it is.
@@ -32,6 +38,10 @@ pub(crate) struct Situation<V: Variables> {
     pub(crate) variables: V,
     /// Inputs, states or parameters changed since the outputs were made.
     pub(crate) stale: bool,
+    /// Clocks that the importer has activated for the event at hand.
+    pub(crate) ticks: Ticks,
+    /// The importer ticks clocks, so that there are no time events.
+    pub(crate) clocked: bool,
     /// Model Exchange: the unit asked for an event at the end of a completed integrator step.
     pub(crate) step_event: bool,
 }
@@ -47,6 +57,8 @@ impl<V: Variables> Situation<V> {
             variables: V::default(),
             stale: true,
             step_event: false,
+            ticks: Ticks::default(),
+            clocked: false,
         }
     }
 }
@@ -57,10 +69,16 @@ pub(crate) struct Instance<U: Unit> {
     pub(crate) now: Situation<U::Variables>,
     /// FMI 3.0 Co-Simulation: whom to call at events inside a step.
     pub(crate) intermediate_update: Option<IntermediateUpdate>,
+    /// FMI 3.0 Co-Simulation: whether a step may end before its time.
+    pub(crate) early_return_allowed: bool,
+    /// FMI 3.0 Scheduled Execution.
+    pub(crate) preemption: Preemption,
     /// Exists from the end of initialization on.
     pub(crate) unit: Option<U>,
     /// Model Exchange: continuous states before and after an event.
     pub(crate) states: [Box<[f64]>; 2],
+    /// If derivatives are declared.
+    pub(crate) columns: Option<Box<Columns<U::Variables>>>,
     /// Functions whose call out of order has been reported; once each is enough.
     reported: Vec<&'static str>,
 }
@@ -84,16 +102,25 @@ impl<U: Unit> Instance<U> {
                 model.token
             )));
         }
-        if interface == Interface::ModelExchange && !model.model_exchange {
-            return Err(Failure(format!("{} has no Model Exchange", model.name)));
+        let (has, what) = match interface {
+            Interface::ModelExchange => (model.model_exchange, "Model Exchange"),
+            Interface::CoSimulation => (true, "Co-Simulation"),
+            Interface::EventfulCoSimulation => (model.event_mode, "Event Mode in Co-Simulation"),
+            Interface::ScheduledExecution => (model.scheduled_execution, "Scheduled Execution"),
+        };
+        if !has {
+            return Err(Failure(format!("{} has no {what}", model.name)));
         }
         let zeros = || vec![0.0; model.states.len()].into_boxed_slice();
         Ok(Self {
             logger: logger.clone(),
             now: Situation::new(interface),
             intermediate_update: None,
+            early_return_allowed: false,
+            preemption: Preemption::default(),
             unit: None,
             states: [zeros(), zeros()],
+            columns: model.directional_derivatives.then(Columns::new),
             reported: Vec::new(),
         })
     }
@@ -168,7 +195,8 @@ impl<U: Unit> Instance<U> {
         now.stale = true;
         now.mode = match now.interface {
             Interface::CoSimulation => Mode::Step,
-            Interface::ModelExchange => Mode::Event,
+            Interface::ModelExchange | Interface::EventfulCoSimulation => Mode::Event,
+            Interface::ScheduledExecution => Mode::ClockActivation,
         };
         Ok(())
     }

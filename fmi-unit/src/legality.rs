@@ -15,12 +15,14 @@ pub(crate) enum Mode {
     Initialization,
     /// Co-Simulation, between steps.
     Step,
-    /// Model Exchange.
+    /// Model Exchange, and Co-Simulation that uses it.
     Event,
     /// Model Exchange.
     ContinuousTime,
     /// FMI 3.0 Co-Simulation: the importer looks at an instant inside a step.
     IntermediateUpdate,
+    /// FMI 3.0 Scheduled Execution.
+    ClockActivation,
     Terminated,
     /// The unit could not go on: reset, restore a state or free.
     Failed,
@@ -35,6 +37,7 @@ impl fmt::Display for Mode {
             Self::Event => "Event Mode",
             Self::ContinuousTime => "Continuous-Time Mode",
             Self::IntermediateUpdate => "Intermediate Update Mode",
+            Self::ClockActivation => "Clock Activation Mode",
             Self::Terminated => "Terminated",
             Self::Failed => "the state after an error",
         })
@@ -53,7 +56,7 @@ pub(crate) enum Verdict {
 }
 
 /// The verdicts on one call, in the order of [`Mode`].
-pub(crate) struct Row([Verdict; 8]);
+pub(crate) struct Row([Verdict; 9]);
 
 impl Row {
     pub(crate) fn verdict(&self, mode: Mode) -> Verdict {
@@ -64,10 +67,10 @@ impl Row {
 /// Reads a row of the tables below at compile time: `+` legal, `~` tolerated, `-` refused.
 const fn row(cells: &str) -> Row {
     let cells = cells.as_bytes();
-    assert!(cells.len() == 15, "eight cells with a blank between them");
-    let mut verdicts = [Verdict::Refused; 8];
+    assert!(cells.len() == 17, "nine cells with a blank between them");
+    let mut verdicts = [Verdict::Refused; 9];
     let mut i = 0;
-    while i < 8 {
+    while i < 9 {
         verdicts[i] = match cells[2 * i] {
             b'+' => Verdict::Legal,
             b'~' => Verdict::Tolerated,
@@ -80,7 +83,7 @@ const fn row(cells: &str) -> Row {
 }
 
 /// Calls that no mode forbids.
-pub(crate) const ALWAYS: Row = row("+ + + + + + + +");
+pub(crate) const ALWAYS: Row = row("+ + + + + + + + +");
 
 #[rustfmt::skip]
 pub(crate) mod fmi2 {
@@ -91,25 +94,27 @@ pub(crate) mod fmi2 {
     //                                             | | | Event
     //                                             | | | | Continuous-Time
     //                                             | | | | | (unused in FMI 2.0)
-    //                                             | | | | | | Terminated
-    //                                             | | | | | | | Failed
-    pub(crate) const SETUP_EXPERIMENT:     Row = row("+ ~ - - - - - -");
-    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - -");
-    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - -");
-    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - ~ ~");
-    pub(crate) const RESET:                Row = row("+ + + + + - + +");
-    pub(crate) const GET:                  Row = row("~ + + + + - + +");
-    pub(crate) const SET:                  Row = row("+ + + + + - ~ -");
-    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - + -");
-    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - + +");
-    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - ~ + - - -");
-    pub(crate) const NEW_DISCRETE_STATES:  Row = row("- - - + - - - -");
-    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - -");
-    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - -");
-    pub(crate) const SET_TIME:             Row = row("~ ~ - + + - - -");
-    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - -");
-    pub(crate) const GET_STATES:           Row = row("~ + - + + - ~ -");
-    pub(crate) const DO_STEP:              Row = row("- - + - - - - -");
+    //                                             | | | | | | (unused in FMI 2.0)
+    //                                             | | | | | | | Terminated
+    //                                             | | | | | | | | Failed
+    pub(crate) const SETUP_EXPERIMENT:     Row = row("+ ~ - - - - - - -");
+    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - -");
+    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - - -");
+    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - - ~ ~");
+    pub(crate) const RESET:                Row = row("+ + + + + - - + +");
+    pub(crate) const GET:                  Row = row("~ + + + + - - + +");
+    pub(crate) const SET:                  Row = row("+ + + + + - - ~ -");
+    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - - + -");
+    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - - + +");
+    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - ~ + - - - -");
+    pub(crate) const NEW_DISCRETE_STATES:  Row = row("- - - + - - - - -");
+    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - - -");
+    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - - -");
+    pub(crate) const SET_TIME:             Row = row("~ ~ - + + - - - -");
+    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - - -");
+    pub(crate) const GET_STATES:           Row = row("~ + - + + - - ~ -");
+    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - - + -");
+    pub(crate) const DO_STEP:              Row = row("- - + - - - - - -");
 }
 
 #[rustfmt::skip]
@@ -121,23 +126,30 @@ pub(crate) mod fmi3 {
     //                                             | | | Event
     //                                             | | | | Continuous-Time
     //                                             | | | | | Intermediate Update
-    //                                             | | | | | | Terminated
-    //                                             | | | | | | | Failed
-    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - -");
-    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - -");
-    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - ~ ~");
-    pub(crate) const RESET:                Row = row("+ + + + + - + +");
-    pub(crate) const GET:                  Row = row("~ + + + + + + +");
-    pub(crate) const SET:                  Row = row("+ + + + + - ~ -");
-    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - + -");
-    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - + +");
-    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - ~ + - - -");
-    pub(crate) const UPDATE_DISCRETE:      Row = row("- - - + - - - -");
-    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - -");
-    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - -");
-    pub(crate) const SET_TIME:             Row = row("~ ~ - ~ + - - -");
-    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - -");
-    pub(crate) const GET_STATES:           Row = row("~ + - + + - ~ -");
-    pub(crate) const COUNTS:               Row = row("+ + + + + - + +");
-    pub(crate) const DO_STEP:              Row = row("- - + - - - - -");
+    //                                             | | | | | | Clock Activation
+    //                                             | | | | | | | Terminated
+    //                                             | | | | | | | | Failed
+    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - -");
+    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - - -");
+    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - + ~ ~");
+    pub(crate) const RESET:                Row = row("+ + + + + - + + +");
+    pub(crate) const GET:                  Row = row("~ + + + + + + + +");
+    pub(crate) const SET:                  Row = row("+ + + + + - + ~ -");
+    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - - + -");
+    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - - + +");
+    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - + ~ + - - - -");
+    pub(crate) const UPDATE_DISCRETE:      Row = row("- - - + - - - - -");
+    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - - -");
+    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - - -");
+    pub(crate) const SET_TIME:             Row = row("~ ~ - ~ + - - - -");
+    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - - -");
+    pub(crate) const GET_STATES:           Row = row("~ + - + + - - ~ -");
+    pub(crate) const COUNTS:               Row = row("+ + + + + - + + +");
+    pub(crate) const ENTER_STEP_MODE:      Row = row("- - ~ + - - - - -");
+    pub(crate) const CLOCK:                Row = row("- - - + - - - - -");
+    pub(crate) const INTERVAL:             Row = row("- + ~ + ~ - + - -");
+    pub(crate) const SET_INTERVAL:         Row = row("+ + - - - - - - -");
+    pub(crate) const ACTIVATE:             Row = row("- - - - - - + - -");
+    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - - + -");
+    pub(crate) const DO_STEP:              Row = row("- - + - - - - - -");
 }

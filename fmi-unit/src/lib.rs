@@ -9,6 +9,7 @@ pub mod model;
 pub mod unit;
 
 mod access;
+mod clock;
 mod common;
 mod exchange;
 mod export;
@@ -17,6 +18,7 @@ mod instance;
 mod legality;
 mod logger;
 mod pointer;
+mod sensitivity;
 mod snapshot;
 mod step;
 
@@ -28,6 +30,9 @@ pub mod fmi3;
 #[doc(hidden)]
 pub use fmi_abi as abi;
 
+pub use clock::Ticks;
 pub use log::{Log, Severity};
-pub use model::{Causality, Kind, Model, Values, ValuesMut, Variability, Variable, Variables};
+pub use model::{
+    Causality, Clock, Kind, Model, Values, ValuesMut, Variability, Variable, Variables,
+};
 pub use unit::{Failure, Unit};

@@ -66,6 +66,17 @@ pub struct Variable {
     pub items: &'static [(i64, &'static str)],
 }
 
+/// One declared input clock, with an interval that parameters fix (FMI 3.0 sec 2.2.8).
+#[derive(Debug)]
+pub struct Clock {
+    /// Name, as in the description.
+    pub name: &'static str,
+    /// Value reference.
+    pub value_reference: u32,
+    /// Interval that the description declares, of the start values \[s\].
+    pub interval: f64,
+}
+
 /// One declared unit.
 #[derive(Debug)]
 pub struct Model {
@@ -79,8 +90,18 @@ pub struct Model {
     pub states: &'static [u32],
     /// Value references of their derivatives, in the same order.
     pub derivatives: &'static [u32],
+    /// Value references of the event indicators, continuous variables each.
+    pub event_indicators: &'static [u32],
+    /// The input clocks, by ascending value reference.
+    pub clocks: &'static [Clock],
     /// Whether Model Exchange is declared.
     pub model_exchange: bool,
+    /// Whether Co-Simulation has an Event Mode.
+    pub event_mode: bool,
+    /// Whether Scheduled Execution is declared.
+    pub scheduled_execution: bool,
+    /// Whether directional and adjoint derivatives are declared.
+    pub directional_derivatives: bool,
     /// Names of the log categories.
     pub log_categories: &'static [&'static str],
 }

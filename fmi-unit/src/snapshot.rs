@@ -137,13 +137,15 @@ impl<U: Unit> Snapshot<U> {
             ..
         } = &self.situation;
         let set_up = self.state.is_some();
-        let co_simulation = *interface == Interface::CoSimulation;
+        use Interface::{CoSimulation, EventfulCoSimulation, ModelExchange};
+        let in_one_of = |interfaces: &[Interface]| set_up && interfaces.contains(interface);
         let legal = match mode {
             Mode::Instantiated | Mode::Initialization => !set_up,
-            Mode::Step => set_up && co_simulation,
-            Mode::Event | Mode::ContinuousTime => set_up && !co_simulation,
+            Mode::Step => in_one_of(&[CoSimulation, EventfulCoSimulation]),
+            Mode::Event => in_one_of(&[ModelExchange, EventfulCoSimulation]),
+            Mode::ContinuousTime => in_one_of(&[ModelExchange]),
             Mode::Terminated => true,
-            Mode::IntermediateUpdate | Mode::Failed => false,
+            Mode::IntermediateUpdate | Mode::ClockActivation | Mode::Failed => false,
         };
         legal && start.is_finite() && time.is_finite()
     }

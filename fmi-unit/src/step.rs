@@ -1,6 +1,6 @@
 //! Co-Simulation: one communication step as a sequence of events and continuous stretches.
 
-use crate::instance::{Instance, rounding};
+use crate::instance::{Instance, Interface, rounding};
 use crate::legality::Mode;
 use crate::unit::{Failure, Unit};
 
@@ -12,8 +12,10 @@ pub(crate) struct Step {
     /// Events this close to the end belong to the next step \[s\]: a master that sums its steps, or that
     /// rounds otherwise, does not shift the samples of a unit.
     tolerance: f64,
-    /// The importer asked for an early end.
+    /// It ends before its time: the importer asked for it, or an event needs it.
     shortened: bool,
+    /// Whether the importer handles events itself and lets steps end at them.
+    ends_at_events: bool,
 }
 
 /// How far a step has come.
@@ -21,8 +23,8 @@ pub(crate) struct Step {
 pub(crate) enum Progress {
     /// An event was carried out at this time \[s\]; the step goes on.
     Event(f64),
-    /// The step is complete.
-    Done,
+    /// The step is complete; whether the importer must enter Event Mode.
+    Done { event: bool },
 }
 
 impl Step {
@@ -69,11 +71,12 @@ impl<U: Unit> Instance<U> {
             end: end.max(time),
             tolerance: f64::min(1e-3 * size, 1e-7) + rounding(end),
             shortened: false,
+            ends_at_events: self.handles_events() && self.early_return_allowed,
         })
     }
 
     /// Goes on to the next event or to the end.
-    pub(crate) fn proceed(&mut self, step: &Step) -> Result<Progress, Failure> {
+    pub(crate) fn proceed(&mut self, step: &mut Step) -> Result<Progress, Failure> {
         let from = self.now.time;
         let next = self.next_event()?;
         if next < step.end - step.tolerance {
@@ -82,6 +85,11 @@ impl<U: Unit> Instance<U> {
             if instant > from {
                 self.act(|unit, variables, log| unit.advance(variables, from, instant, log))?;
                 self.now.time = instant;
+                if step.ends_at_events {
+                    step.end_early(instant, from);
+                    self.refresh();
+                    return Ok(Progress::Done { event: true });
+                }
             }
             self.timed_event(next)?;
             return Ok(Progress::Event(instant));
@@ -91,12 +99,18 @@ impl<U: Unit> Instance<U> {
             self.now.time = step.end;
         }
         self.refresh();
-        Ok(Progress::Done)
+        let event = self.handles_events() && next < step.end + step.tolerance;
+        Ok(Progress::Done { event })
     }
 
-    /// The next event instant \[s\]; infinity for none.
+    fn handles_events(&self) -> bool {
+        self.now.interface == Interface::EventfulCoSimulation
+    }
+
+    /// The next event instant \[s\]; infinity for none, or if clocks make the events.
     pub(crate) fn next_event(&mut self) -> Result<f64, Failure> {
-        let next = self.unit.as_ref().map_or(f64::INFINITY, U::next_event);
+        let unit = self.unit.as_ref().filter(|_| !self.now.clocked);
+        let next = unit.map_or(f64::INFINITY, U::next_event);
         if next.is_nan() {
             self.now.mode = Mode::Failed;
             return Err(Failure("the next event instant is not a number".into()));

@@ -1,5 +1,6 @@
 //! The trait that a simulation unit implements to become an FMU.
 
+use crate::clock::Ticks;
 use crate::log::Log;
 use crate::model::Variables;
 
@@ -7,7 +8,7 @@ use crate::model::Variables;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure(pub String);
 
-/// A simulation unit for Co-Simulation and Model Exchange.
+/// A simulation unit for Co-Simulation, Model Exchange and Scheduled Execution.
 ///
 /// The life of a unit, in the terms of FMI 3.0:
 ///
@@ -20,6 +21,8 @@ pub struct Failure(pub String);
 ///      [`Unit::advance`] for the stretches between, with the inputs held at their values of `t`.
 ///    - Model Exchange: the importer integrates [`Unit::derivatives`] and stops at
 ///      [`Unit::next_event`], where [`Unit::event`] is called.
+///    - With clocks, an importer of FMI 3.0 may make the events itself ([`Unit::tick`]), or run their
+///      partitions as tasks of its own ([`Unit::activate`]).
 ///
 /// Nothing that runs after `new` may allocate, lock, print or panic.
 ///
@@ -43,6 +46,9 @@ pub trait Unit: Sized + Send + 'static {
     /// parameter or combination, each with its name, value, admissible range and unit.
     fn new(variables: &mut Self::Variables, start: f64) -> Result<Self, Vec<Failure>>;
 
+    /// What a model partition has to do that may be preempted; `()` if no clocks are declared.
+    type Job: Send;
+
     /// The state, for a snapshot.
     fn state(&self) -> &Self::State;
 
@@ -60,6 +66,58 @@ pub trait Unit: Sized + Send + 'static {
         time: f64,
         log: &mut Log<'_>,
     ) -> Result<(), Failure>;
+
+    /// If clocks are declared: the interval of the one at `clock` in `Model::clocks` \[s\].
+    fn clock_interval(variables: &Self::Variables, clock: usize) -> f64 {
+        let _ = (variables, clock);
+        f64::NAN
+    }
+
+    /// If clocks are declared: sets the parameter that is the interval.
+    fn set_clock_interval(variables: &mut Self::Variables, clock: usize, interval: f64) {
+        let _ = (variables, clock, interval);
+    }
+
+    /// If clocks are declared: carries out what the importer makes happen at `time` \[s\].
+    fn tick(
+        &mut self,
+        variables: &mut Self::Variables,
+        ticks: Ticks,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        let _ = (variables, ticks, time, log);
+        Ok(())
+    }
+
+    /// Scheduled Execution: the partition of `clock` runs at `time` \[s\]. What takes long it returns as a
+    /// job. Meanwhile other partitions may run, this one may not.
+    fn activate(
+        &mut self,
+        variables: &mut Self::Variables,
+        clock: usize,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<Option<Self::Job>, Failure> {
+        let _ = (variables, clock, time, log);
+        Ok(None)
+    }
+
+    /// Scheduled Execution: does a job, apart from the unit.
+    fn work(job: &mut Self::Job) {
+        let _ = job;
+    }
+
+    /// Scheduled Execution: takes a finished job back.
+    fn complete(
+        &mut self,
+        variables: &mut Self::Variables,
+        job: Self::Job,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        let _ = (variables, job, log);
+        Ok(())
+    }
 
     /// Co-Simulation: integrates the continuous part from `from` to `to` \[s\]. No event lies between.
     fn advance(
@@ -91,6 +149,18 @@ pub trait Unit: Sized + Send + 'static {
     /// Model Exchange: writes the time derivatives in the order of `Model::derivatives`.
     fn derivatives(&self, variables: &Self::Variables, derivatives: &mut [f64]) {
         let _ = (variables, derivatives);
+    }
+
+    /// If declared: the derivatives of continuous outputs and of the states' derivatives in a direction, at
+    /// the present states and inputs. `direction` and `tangent` hold both in the variables themselves;
+    /// all of `direction` is zero but states and continuous inputs.
+    fn tangent(
+        &self,
+        variables: &Self::Variables,
+        direction: &Self::Variables,
+        tangent: &mut Self::Variables,
+    ) {
+        let _ = (variables, direction, tangent);
     }
 
     /// Model Exchange: the importer's solver completed a step that ended at `time` \[s\]. Returns

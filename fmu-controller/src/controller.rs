@@ -6,8 +6,8 @@ use arm::Instructions;
 use control::LARGEST_ANGLE;
 use control::nmpc::plan::PlanStatus;
 use control::nmpc::solver::Clock;
-use control::{Command, State};
-use fmi_unit::{Failure, Log, Severity, Unit};
+use control::{Command, Planning, State, When};
+use fmi_unit::{Failure, Log, Severity, Ticks, Unit};
 
 use crate::plan;
 use crate::settings::{instructions, settings};
@@ -25,6 +25,17 @@ pub struct Controller {
     reports_time: bool,
 }
 
+/// Positions of the clocks in the contract, which a test compares.
+const FEEDBACK: usize = 0;
+const PLAN: usize = 1;
+
+/// A plan under way in a partition of its own.
+pub struct Job {
+    planning: Box<Planning>,
+    /// When it began, if times are reported.
+    begin: Option<Instant>,
+}
+
 /// The machine's monotonic clock.
 struct WallClock(Instant);
 
@@ -37,6 +48,7 @@ impl Clock for WallClock {
 impl Unit for Controller {
     type Variables = Variables;
     type State = State;
+    type Job = Job;
 
     /// Before the first sample there is no torque, and the reference rests at the measured angle.
     fn initial_outputs(variables: &mut Variables) {
@@ -88,25 +100,106 @@ impl Unit for Controller {
         time: f64,
         log: &mut Log<'_>,
     ) -> Result<(), Failure> {
+        self.sample(variables, When::Due, time, log);
+        Ok(())
+    }
+
+    fn clock_interval(variables: &Variables, clock: usize) -> f64 {
+        match clock {
+            FEEDBACK => variables.sample_period,
+            _ => variables.nmpc.period,
+        }
+    }
+
+    fn set_clock_interval(variables: &mut Variables, clock: usize, interval: f64) {
+        match clock {
+            FEEDBACK => variables.sample_period = interval,
+            _ => variables.nmpc.period = interval,
+        }
+    }
+
+    /// Where both clocks tick the plan comes first, as without clocks.
+    fn tick(
+        &mut self,
+        variables: &mut Variables,
+        ticks: Ticks,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        match (ticks.contains(FEEDBACK), ticks.contains(PLAN)) {
+            (true, true) => self.sample(variables, When::Now, time, log),
+            (true, false) => self.sample(variables, When::Never, time, log),
+            (false, true) => {
+                if let Some(mut job) = self.activate(variables, PLAN, time, log)? {
+                    Self::work(&mut job);
+                    self.complete(variables, job, log)?;
+                }
+            }
+            (false, false) => {}
+        }
+        Ok(())
+    }
+
+    /// The feedback samples at once; the planner starts from the latest sample.
+    fn activate(
+        &mut self,
+        variables: &mut Variables,
+        clock: usize,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<Option<Job>, Failure> {
+        if clock == PLAN {
+            let begin = self.reports_time.then(Instant::now);
+            let planning = self.control.begin_plan();
+            return Ok(planning.map(|planning| Job { planning, begin }));
+        }
+        self.sample(variables, When::Never, time, log);
+        Ok(None)
+    }
+
+    fn work(job: &mut Job) {
+        job.planning.run();
+    }
+
+    fn complete(
+        &mut self,
+        variables: &mut Variables,
+        job: Job,
+        _: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        self.control.finish_plan(job.planning);
+        self.publish_plan(variables, job.begin);
+        Ok(())
+    }
+}
+
+impl Controller {
+    fn sample(&mut self, variables: &mut Variables, plan: When, time: f64, log: &mut Log<'_>) {
         let before = variables.nmpc.status;
         let begin = self.reports_time.then(Instant::now);
-        let command = self.control.sample(variables.angle, variables.setpoint);
+        let (angle, setpoint) = (variables.angle, variables.setpoint);
+        let command = self.control.sample_and_plan(angle, setpoint, plan);
         if command.new_plan {
-            if let Some(begin) = begin {
-                variables.nmpc.solve_time = begin.elapsed().as_secs_f64();
-            }
-            let plan = self.control.plan();
-            variables.nmpc.iterations = saturated(plan.iterations);
-            variables.nmpc.convex_problems = saturated(plan.convex_problems);
-            variables.nmpc.cost = plan.trajectory.cost;
-            variables.nmpc.goal = plan.goal;
-            plan::publish(plan, self.control.latency(), &mut variables.nmpc.plan);
+            self.publish_plan(variables, begin);
         }
         write(&command, variables);
         if variables.nmpc.status != before {
             report(command.plan_status, variables, time, log);
         }
-        Ok(())
+    }
+
+    fn publish_plan(&self, variables: &mut Variables, begin: Option<Instant>) {
+        if let Some(begin) = begin {
+            variables.nmpc.solve_time = begin.elapsed().as_secs_f64();
+        }
+        let Some(plan) = self.control.plan() else {
+            return;
+        };
+        variables.nmpc.iterations = saturated(plan.iterations);
+        variables.nmpc.convex_problems = saturated(plan.convex_problems);
+        variables.nmpc.cost = plan.trajectory.cost;
+        variables.nmpc.goal = plan.goal;
+        plan::publish(plan, self.control.latency(), &mut variables.nmpc.plan);
     }
 }
 
@@ -203,4 +296,21 @@ fn report(status: PlanStatus, variables: &Variables, time: f64, log: &mut Log<'_
 
 fn saturated(count: u32) -> i32 {
     i32::try_from(count).unwrap_or(i32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fmi_unit::Variables as _;
+
+    #[test]
+    fn clocks_are_those_of_the_contract() {
+        let clocks = Variables::MODEL.clocks;
+        assert_eq!(clocks.len(), 2);
+        for (index, name) in [(FEEDBACK, "clock.feedback"), (PLAN, "clock.plan")] {
+            assert_eq!(clocks[index].name, name);
+            let interval = Controller::clock_interval(&Variables::default(), index);
+            assert_eq!(clocks[index].interval, interval, "{name}");
+        }
+    }
 }

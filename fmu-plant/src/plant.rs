@@ -1,6 +1,6 @@
 //! [`Plant`]: the arm between two samples, its noise and its count of violations.
 
-use arm::plant::{self, State as Motion};
+use arm::plant::{self, Derivatives, State as Motion};
 use fmi_unit::{Failure, Log, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -83,12 +83,14 @@ impl Plant {
 impl Unit for Plant {
     type Variables = Variables;
     type State = State;
+    type Job = ();
 
     fn initial_outputs(variables: &mut Variables) {
-        let (arm, motor, _) = parameters(variables);
+        let (arm, motor, limits) = parameters(variables);
         let motion = initial_motion(variables);
         let torque = motor.saturate(variables.torque);
         write_outputs(variables, &arm, &motor, &motion, torque);
+        write_margins(variables, &motor, &limits, &motion);
     }
 
     fn new(variables: &mut Variables, start: f64) -> Result<Self, Vec<Failure>> {
@@ -235,6 +237,7 @@ impl Unit for Plant {
             &self.state.motion,
             torque,
         );
+        write_margins(variables, &self.motor, &self.limits, &self.state.motion);
     }
 
     fn continuous_states(&self, states: &mut [f64]) {
@@ -269,6 +272,20 @@ impl Unit for Plant {
         derivatives.copy_from_slice(&[d.angle, d.velocity, d.thermal_load, d.hysteresis]);
     }
 
+    fn tangent(&self, variables: &Variables, direction: &Variables, tangent: &mut Variables) {
+        let torque = self.motor_torque(variables.torque);
+        let change = self.motor.passes(variables.torque) * direction.torque;
+        let motion = Motion {
+            angle: direction.angle,
+            velocity: direction.velocity,
+            thermal_load: direction.thermal_load,
+            hysteresis: direction.hysteresis_state,
+        };
+        let changes = (&motion, change, direction.disturbance_torque);
+        let d = plant::tangent(&self.arm, &self.motor, &self.state.motion, torque, changes);
+        write_motion(tangent, &self.motor, &motion, change, &d);
+    }
+
     fn completed_step(&mut self, _: &Variables, time: f64) -> bool {
         self.count_until(time);
         self.state.unpublished > 0
@@ -292,13 +309,37 @@ fn write_outputs(
     motion: &Motion,
     torque: f64,
 ) {
+    let d = plant::derivatives(arm, motor, motion, torque, variables.disturbance_torque);
+    write_motion(variables, motor, motion, torque, &d);
+}
+
+/// The event indicators.
+fn write_margins(
+    variables: &mut Variables,
+    motor: &arm::Motor,
+    limits: &arm::Limits,
+    motion: &Motion,
+) {
+    let margin = &mut variables.margin;
+    margin.angle_lower = motion.angle - limits.angle_lower;
+    margin.angle_upper = limits.angle_upper - motion.angle;
+    margin.thermal_load = motor.thermal_limit() - motion.thermal_load;
+}
+
+/// Everything that is linear in motion, motor torque \[N·m\] and derivatives: values, or changes of them.
+fn write_motion(
+    variables: &mut Variables,
+    motor: &arm::Motor,
+    motion: &Motion,
+    torque: f64,
+    d: &Derivatives,
+) {
     variables.angle = motion.angle;
     variables.velocity = motion.velocity;
     variables.current = torque / motor.torque_constant;
     variables.thermal_load = motion.thermal_load;
     variables.thermal_fraction = motion.thermal_load / motor.thermal_limit();
     variables.hysteresis_state = motion.hysteresis;
-    let d = plant::derivatives(arm, motor, motion, torque, variables.disturbance_torque);
     variables.der_angle = d.angle;
     variables.der_velocity = d.velocity;
     variables.der_thermal_load = d.thermal_load;

@@ -43,6 +43,15 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether the user stopped the run.
+    pub fn is_interrupt(&self) -> bool {
+        match self {
+            Self::Interrupted { .. } => true,
+            Self::Stopped { source, .. } => source.is_interrupt(),
+            _ => false,
+        }
+    }
+
     /// Whether the user's input is to blame, rather than the run.
     pub fn is_input(&self) -> bool {
         match self {

@@ -47,16 +47,22 @@ fn a_pair_of_both_versions_runs_and_is_recorded() {
     assert!(report.contains("Mock (FMI 2.0)") && report.contains("Mock (FMI 3.0)"));
     assert!(read("log.txt").contains("controller: Ok: 100% ready"));
 
-    let output = run(
-        folder.path(),
-        &[&sets[..], &["--order", "side-by-side", "--record", "2"]].concat(),
-    );
+    // What the controller makes of a row is in the next one, when the plant gets it.
+    let side_by_side = [&sets[..], &["--order", "side-by-side"]].concat();
+    let output = run(folder.path(), &side_by_side);
     assert!(output.status.success(), "{}", errors(&output));
-    // The plant gets what the controller put out one step before.
     assert_eq!(
         read("results.csv"),
-        "time,setpoint,plant.y,plant.flag,controller.y,controller.flag\n0,0,0,1,2,1\n1,0,6,1,14,1\n"
+        "time,setpoint,plant.y,plant.flag,controller.y,controller.flag\n\
+         0,0,0,1,0,1\n0.5,0,0,1,2,1\n1,0,6,1,2,1\n1.5,0,6,1,14,1\n"
     );
+    let output = run(
+        folder.path(),
+        &[&side_by_side[..], &["--record", "2"]].concat(),
+    );
+    assert!(output.status.success(), "{}", errors(&output));
+    let rows = read("results.csv");
+    assert!(rows.ends_with("\n0,0,0,1,0,1\n1,0,6,1,2,1\n"), "{rows}");
 }
 
 #[test]

@@ -260,9 +260,104 @@ fn options_are_checked() {
             "'--measurement <CSV>' cannot be used with '--lower <RAD>'",
         ),
         (&["--seed", "1"][..], "cannot be used with '--seed <N>'"),
+        (
+            &["--controller", "c.fmu"][..],
+            "cannot be used with '--controller <FMU>'",
+        ),
+        (
+            &["--torque-constant", "3"][..],
+            "m.csv:1: column torque is a torque, which --torque-constant = 3 N.m/A has no use for",
+        ),
+        (
+            &["--harmonics", "0", "--frequency-range", "5", "6"][..],
+            "--harmonics = 0: expected at least 1 with --frequency-range",
+        ),
+        (
+            &["--frequency-range", "1e4", "2e4"][..],
+            "m.csv: the range of cogging frequencies, 10000 to 20000 1/rad, is beyond",
+        ),
     ] {
         let found = identify(&good, more).unwrap_err();
         assert!(found.contains(message), "{found}");
+    }
+}
+
+/// How a measurement is read means nothing to experiments.
+#[test]
+fn experiments_take_no_options_of_measurements() {
+    let folder = folder();
+    for option in [
+        "--validation",
+        "--torque-constant",
+        "--angle-unit",
+        "--torque-timing",
+        "--column",
+    ] {
+        let value = match option {
+            "--angle-unit" => "deg",
+            "--torque-timing" => "sampled",
+            "--torque-constant" => "3",
+            _ => "a=b",
+        };
+        let pair = ["identify", "--plant", "p.fmu", "--controller", "c.fmu"];
+        let output = flexarm(folder.path(), &[&pair[..], &[option, value]].concat());
+        assert_eq!(output.status.code(), Some(2));
+        let found = errors(&output);
+        let expected = format!("'--plant <FMU>' cannot be used with '{option} ");
+        assert!(found.contains(&expected), "{found}");
+    }
+}
+
+/// A parameter at its bound has its error, and every number of the file is one.
+#[test]
+fn numbers_are_written_with_their_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = signals(12_000).into_iter().map(|[t, angle, torque]| {
+        // Damping turned round.
+        let (mut velocity, h) = (0.0, 1e-6);
+        for (amplitude, omega) in [(0.5, 2.0), (0.2, 7.3), (0.05, 17.1)] {
+            velocity +=
+                amplitude * (f64::sin(omega * (t + h)) - f64::sin(omega * (t - h))) / (2.0 * h);
+        }
+        vec![t, angle, torque - 0.3 * velocity]
+    });
+    let kept = rows
+        .enumerate()
+        .filter(|(k, _)| !(6000..6010).contains(k) && !(6030..6100).contains(k));
+    let text = csv("time,angle,torque", kept.map(|(_, row)| row));
+    fs::write(folder.path().join("m.csv"), text).unwrap();
+    let arguments = [
+        "identify",
+        "--measurement",
+        "m.csv",
+        "--torque-timing",
+        "sampled",
+        "-o",
+        "out",
+    ];
+    let output = flexarm(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", errors(&output));
+    let found = errors(&output);
+    assert!(
+        found.contains("arm.damping is not identifiable from this measurement: it would be -2.0"),
+        "{found}"
+    );
+    assert!(
+        found.contains("20 of 11920 samples do not count, since 1 of 3 stretches are shorter"),
+        "{found}"
+    );
+    let text = fs::read_to_string(folder.path().join("out/identification.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let damping = &json["parameters"][1];
+    assert_eq!(
+        (&damping["value"], &damping["identifiable"]),
+        (&0.0.into(), &false.into())
+    );
+    assert!(damping["sigma"].as_f64().unwrap() > 0.0);
+    // What there is none of, rather than a number that is none.
+    for line in text.lines().filter(|line| line.contains("null")) {
+        let absent = ["tracking_rms_rad", "validation", "feedback_alone", "tube"];
+        assert!(absent.iter().any(|name| line.contains(name)), "{line}");
     }
 }
 

@@ -7,6 +7,7 @@ use common::cli::*;
 use common::*;
 use std::fs;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -118,21 +119,17 @@ fn warnings_of_an_fmu_are_shown_without_asking() {
     );
 }
 
-/// Steps that take long are no reason to wait.
-#[test]
-fn an_interrupt_ends_the_run_within_a_step() {
-    let folder = folder();
-    let slow = format!("plant:fault={SLOW}");
-    let arguments = [&RUN[..], &["--until", "100", "--set", &slow, "-o", "out"]].concat();
+/// Starts the command, interrupts it after a second, and says what it leaves. Steps that take long are no reason to wait.
+fn interrupted(folder: &Path, arguments: &[&str]) -> String {
     let child = Command::new(env!("CARGO_BIN_EXE_flexarm"))
         .args(arguments)
-        .current_dir(folder.path())
+        .current_dir(folder)
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_secs(1));
     let signal = Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
+        .args(["-INT", &child.id().to_string()])
         .status();
     assert!(signal.unwrap().success());
     let sent = Instant::now();
@@ -143,12 +140,53 @@ fn an_interrupt_ends_the_run_within_a_step() {
         sent.elapsed()
     );
     assert_eq!(output.status.code(), Some(1));
+    errors(&output)
+}
+
+/// A run that is interrupted leaves its samples until then, marked as partial.
+fn assert_partial(out: &Path) {
+    let mut names: Vec<_> = fs::read_dir(out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.retain(|name| name != "log.txt");
     assert!(
-        errors(&output).starts_with("error: interrupted at t = "),
-        "{}",
-        errors(&output)
+        names.iter().all(|name| name.contains("-partial.")),
+        "{names:?}"
     );
-    assert!(!folder.path().join("out").exists());
+    let rows = fs::read_to_string(out.join("results-partial.csv")).unwrap();
+    assert!((2..20).contains(&rows.lines().count()), "{rows}");
+    let summary = fs::read_to_string(out.join("summary-partial.json")).unwrap();
+    assert!(
+        summary.contains("\"reason\": \"interrupted at t = "),
+        "{summary}"
+    );
+}
+
+#[test]
+fn an_interrupt_ends_a_run_within_a_step() {
+    let folder = folder();
+    let slow = format!("plant:fault={SLOW}");
+    let arguments = [&RUN[..], &["--until", "100", "--set", &slow, "-o", "out"]].concat();
+    let found = interrupted(folder.path(), &arguments);
+    assert!(found.contains("error: interrupted at t = "), "{found}");
+    assert_partial(&folder.path().join("out"));
+}
+
+#[test]
+fn an_interrupt_ends_all_runs_of_an_experiment() {
+    let folder = folder();
+    let text = format!(
+        "title = \"T\"\n[common]\ncontroller = \"c.fmu\"\nplant = \"p.fmu\"\nconnections = \"m.toml\"\nuntil = 100\n\
+         step = 0.5\nset = {{ \"plant:fault\" = {SLOW} }}\n[[run]]\nname = \"a\"\n[[run]]\nname = \"b\"\n"
+    );
+    fs::write(folder.path().join("e.toml"), text).unwrap();
+    let found = interrupted(folder.path(), &["run", "e.toml", "-j", "1", "-o", "out"]);
+    assert!(found.contains("e, a: interrupted at t = "), "{found}");
+    assert_partial(&folder.path().join("out/e/a"));
+    assert!(
+        !folder.path().join("out/e/b").exists() && !folder.path().join("out/index.html").exists()
+    );
 }
 
 #[test]

@@ -28,6 +28,15 @@ pub enum Error {
     },
     /// A moment of inertia that is not positive.
     Inertia { value: f64, sigma: f64 },
+    /// Cogging frequencies \[1/rad\] that the measurement cannot show.
+    FrequencyRange {
+        given: [f64; 2],
+        finest: f64,
+        span: f64,
+        harmonics: usize,
+    },
+    /// A result that is not a number.
+    Result { name: String, value: f64 },
 }
 
 impl fmt::Display for Error {
@@ -70,6 +79,20 @@ impl fmt::Display for Error {
                 f,
                 "arm.inertia = {value:.4e} kg.m2 (sigma {sigma:.1e}): must be positive; do torque and angle have \
                  opposite signs, or is their timing wrong?"
+            ),
+            Self::FrequencyRange {
+                given: [low, high],
+                finest,
+                span,
+                harmonics,
+            } => write!(
+                f,
+                "the range of cogging frequencies, {low} to {high} 1/rad, is beyond {finest:.4} 1/rad, the finest that angles \
+                 over {span:.4} rad show with harmonics up to {harmonics}"
+            ),
+            Self::Result { name, value } => write!(
+                f,
+                "{name} comes out as {value}: torque or angle is too large for arithmetic; are the units right?"
             ),
         }
     }

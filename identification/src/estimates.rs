@@ -17,9 +17,14 @@ pub struct Estimate {
     /// Root mean square of the parameter's share of the torque, its mean apart \[N·m\]: what it is for. That of all
     /// cogging for its frequency.
     pub torque: f64,
-    /// Whether σ is at most a tenth of the value, or its torque at most 1 % of all torque.
+    /// Whether σ is at most a tenth of the value, or its torque at most 1 % of all torque. Never of one that is held at
+    /// its bound.
     pub identifiable: bool,
 }
+
+/// Damping and hysteresis that would be below zero, where they are held, by their position among the linear terms:
+/// what they would be, and σ of that.
+pub(crate) type Held = [Option<[f64; 2]>; LINEAR];
 
 /// Contract names and units of J, d, k, o and C.
 pub(crate) const NAMES: [(&str, &str); LINEAR] = [
@@ -44,14 +49,14 @@ pub(crate) fn column_names(mask: Mask, count: usize) -> Vec<String> {
     linear.chain(waves).collect()
 }
 
-/// All parameters that take part. `sigma` are the errors of x, and of w as last one if there are harmonics; `scale` is
+/// All parameters. `sigma` are the errors of x, and of w as last one if there are harmonics; `scale` is
 /// the deviation of the torque \[N·m\].
 pub(crate) fn estimates(
     regression: &Regression,
-    mask: Mask,
     harmonics: usize,
     projection: &Projection,
     sigma: &[f64],
+    held: &Held,
     scale: f64,
 ) -> Vec<Estimate> {
     let (x, a) = (&projection.solution.x, &projection.a);
@@ -68,7 +73,12 @@ pub(crate) fn estimates(
     let mut estimates = Vec::new();
     let mut position = 0;
     for (index, (name, unit)) in NAMES.into_iter().enumerate() {
-        let (value, sigma, weight) = if mask[index] {
+        let found = if let Some([_, sigma]) = held[index] {
+            Estimate {
+                identifiable: false,
+                ..estimate(name.to_owned(), unit, 0.0, sigma, 0.0)
+            }
+        } else {
             // The offset has no deviation; its torque is itself.
             let weight = if name == "arm.offset" {
                 1.0
@@ -76,11 +86,10 @@ pub(crate) fn estimates(
                 of_column(position)
             };
             position += 1;
-            (x[position - 1], sigma[position - 1], weight)
-        } else {
-            (0.0, 0.0, 0.0)
+            let (value, sigma) = (x[position - 1], sigma[position - 1]);
+            estimate(name.to_owned(), unit, value, sigma, weight)
         };
-        estimates.push(estimate(name.to_owned(), unit, value, sigma, weight));
+        estimates.push(found);
     }
     if let Some(slope) = &projection.slope {
         let (name, sigma) = ("arm.cogging_frequency".to_owned(), sigma[a.ncols()]);

@@ -5,10 +5,12 @@
 //! the residual r and d = ∂(A·x)/∂w, x held. A scan over the compressed measurement finds the valley, Gauss–Newton
 //! steps on all rows its bottom.
 
+use crate::Error;
 use crate::curve::Compressed;
 use crate::least_squares::{Dependent, Solution, Triangle};
 use crate::regression::{LINEAR, Regression};
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::FRAC_PI_2;
 
 /// Step of the scan: phase of the highest wave at the ends of the range \[rad\].
 const PHASE: f64 = 0.4;
@@ -47,6 +49,67 @@ pub(crate) fn scan(compressed: &Compressed, range: [f64; 2], harmonics: usize) -
     bottoms
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(frequency, _)| frequency)
+}
+
+/// Where w is searched \[1/rad\]: `given`, as far as the measurement shows waves that fine, or else all that it shows;
+/// and what to know of that. The number of `harmonics`, if it is given, all have to be fine enough.
+///
+/// # Errors
+/// Nothing that is given can be searched.
+pub(crate) fn search(
+    compressed: &Compressed,
+    given: Option<[f64; 2]>,
+    harmonics: Option<usize>,
+) -> Result<([f64; 2], Vec<String>), Error> {
+    let span = compressed.span();
+    let harmonics = harmonics.unwrap_or(1).max(1);
+    let coarsest = FRAC_PI_2 / span;
+    let Some([low, high]) = given else {
+        return Ok(([coarsest, compressed.finest()], Vec::new()));
+    };
+    let finest = compressed.finest() / harmonics as f64;
+    if low >= finest {
+        return Err(Error::FrequencyRange {
+            given: [low, high],
+            finest,
+            span,
+            harmonics,
+        });
+    }
+    let mut warnings = Vec::new();
+    if high > finest {
+        warnings.push(format!(
+            "cogging frequencies are searched up to {finest:.4} 1/rad instead of {high} 1/rad: angles over {span:.4} rad show \
+             none that are finer"
+        ));
+    }
+    if low < coarsest {
+        warnings.push(format!(
+            "cogging frequencies are searched from {low} 1/rad on, but below {coarsest:.4} 1/rad angles over {span:.4} rad show \
+             less than a quarter of a period, which stiffness and offset explain as well"
+        ));
+    }
+    Ok(([low, high.min(finest)], warnings))
+}
+
+/// What to know of a w \[1/rad\] that was searched within a range that was given.
+pub(crate) fn at_its_end([low, high]: [f64; 2], frequency: f64, sigma: f64) -> Option<String> {
+    let end = [low, high]
+        .iter()
+        .any(|end| (frequency - end).abs() <= 1e-6 * end);
+    let name = format!("arm.cogging_frequency = {frequency:.6} 1/rad");
+    if high - low < sigma {
+        Some(format!(
+            "{name} is what was given rather than measured: the range from {low} to {high} 1/rad is narrower than its \
+             sigma, {sigma:.1e} 1/rad"
+        ))
+    } else if end {
+        Some(format!(
+            "{name} is an end of the range that was searched, {low} to {high} 1/rad: the best value may lie outside"
+        ))
+    } else {
+        None
+    }
 }
 
 /// Least value of a function within a bracket, and where it is.

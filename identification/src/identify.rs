@@ -1,16 +1,15 @@
 //! The whole identification: rows, harmonics, frequency, parameters, errors.
 
 use crate::curve::Compressed;
-use crate::estimates::{Estimate, NAMES, column_names, deviation, estimates};
+use crate::estimates::{Estimate, Held, column_names, deviation, estimates};
 use crate::filter::{Hann, TAPS};
-use crate::frequency::{Mask, Projection, refine};
+use crate::frequency::{Mask, Projection, at_its_end, refine, search};
 use crate::harmonics::{Candidate, choose};
 use crate::least_squares::{Dependent, covariance};
 use crate::measurement::Measurement;
 use crate::regression::{HYSTERESIS, LINEAR, Order, Regression};
 use crate::{Error, Fit, Series};
 use arm::{HARMONICS, Parameters};
-use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Set-up of an identification.
@@ -126,7 +125,14 @@ const DAMPING: usize = 1;
 /// Too few or bad samples; motion from which the parameters cannot be told apart; an inertia that is not positive.
 pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identification, Error> {
     let regression = settings.regression(measurement)?;
-    let everything = identify_rows(&regression, settings)?;
+    let mut found = identify_motion(&regression, settings)?;
+    found.warnings.extend(regression.unused());
+    Ok(found)
+}
+
+/// From all rows, or from those in motion.
+fn identify_motion(regression: &Regression, settings: &Settings) -> Result<Identification, Error> {
+    let everything = identify_rows(regression, settings)?;
     let moving = regression.clone().sliding();
     let (harmonics, w) = (
         everything.harmonics,
@@ -138,7 +144,7 @@ pub fn identify(measurement: &Measurement, settings: &Settings) -> Result<Identi
     };
     let before = sliding(&everything.parameters);
     let sticks = |parameters: &Parameters| {
-        sliding(parameters) <= GAIN * before && rest_by_motion(parameters, &regression) >= STICKING
+        sliding(parameters) <= GAIN * before && rest_by_motion(parameters, regression) >= STICKING
     };
     // Linear parameters from motion alone are soon found and show whether more is worth while.
     let mask = [true; LINEAR];
@@ -181,10 +187,7 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
     // Before anything is searched: without enough motion all answers would be chance.
     Projection::new(regression, everything, 0, 0.0).map_err(|d| unexcited(&d, everything))?;
     let compressed = Compressed::new(regression, &blocks);
-    let search = settings.frequency_range.unwrap_or_else(|| {
-        let lowest = FRAC_PI_2 / compressed.span();
-        [lowest, compressed.finest()]
-    });
+    let (search, mut warnings) = search(&compressed, settings.frequency_range, settings.harmonics)?;
     let (candidates, harmonics, start) = match settings.harmonics {
         Some(0) => (Vec::new(), 0, 0.0),
         Some(given) => {
@@ -203,7 +206,7 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
         }
     };
     let mut mask = everything;
-    let mut warnings = Vec::new();
+    let mut held = Held::default();
     let (projection, sigma) = loop {
         let projection =
             refine(regression, mask, harmonics, start, search).map_err(|d| unexcited(&d, mask))?;
@@ -211,30 +214,39 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
         let Some((index, position)) = negative(mask, &projection) else {
             break (projection, sigma);
         };
-        let (name, unit) = NAMES[index];
-        let (value, sigma) = (projection.solution.x[position], sigma[position]);
-        if value < -3.0 * sigma {
-            warnings.push(format!(
-                "{name} would be {value:.4e} {unit} (sigma {sigma:.1e}), which no arm has: 0 is used; a delay \
-                 between torque and angle does this"
-            ));
-        }
+        held[index] = Some([projection.solution.x[position], sigma[position]]);
         mask[index] = false;
     };
     let x = &projection.solution.x;
-    if x[0].is_nan() || x[0] <= 0.0 {
+    if !x[0].is_finite() {
+        return Err(Error::Result {
+            name: "arm.inertia".to_owned(),
+            value: x[0],
+        });
+    }
+    if x[0] <= 0.0 {
         return Err(Error::Inertia {
             value: x[0],
             sigma: sigma[0],
         });
     }
     let parameters = parameters(mask, &projection);
-    let estimates = estimates(regression, mask, harmonics, &projection, &sigma, scale);
-    for e in estimates.iter().filter(|e| !e.identifiable) {
-        warnings.push(format!(
-            "{} = {:.4e} {} is not identifiable from this measurement: its sigma is {:.1e}",
-            e.name, e.value, e.unit, e.sigma
-        ));
+    let estimates = estimates(regression, harmonics, &projection, &sigma, &held, scale);
+    for (index, e) in estimates
+        .iter()
+        .enumerate()
+        .filter(|(_, e)| !e.identifiable)
+    {
+        warnings.push(match held.get(index) {
+            Some(Some([value, sigma])) => at_bound(e, *value, *sigma),
+            _ => format!(
+                "{} = {:.4e} {} is not identifiable from this measurement: its sigma is {:.1e}",
+                e.name, e.value, e.unit, e.sigma
+            ),
+        });
+    }
+    if let (Some(_), Some(sigma)) = (settings.frequency_range, sigma.get(x.len())) {
+        warnings.extend(at_its_end(search, projection.frequency, *sigma));
     }
     if projection.solution.condition > ILL_CONDITIONED {
         warnings.push(format!(
@@ -246,7 +258,7 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
     }
     let residuals = regression.select(projection.residual.as_slice());
     let fit = Fit::of(&regression.select(torque.as_slice()), &residuals);
-    Ok(Identification {
+    let found = Identification {
         parameters,
         estimates,
         harmonics,
@@ -258,6 +270,43 @@ fn identify_rows(regression: &Regression, settings: &Settings) -> Result<Identif
         range: regression.range(),
         sticks: false,
         warnings,
+    };
+    finite(&found).map_or(Ok(()), Err)?;
+    Ok(found)
+}
+
+/// A parameter that is held at 0, by what it would be and σ of that.
+fn at_bound(estimate: &Estimate, value: f64, sigma: f64) -> String {
+    let Estimate { name, unit, .. } = estimate;
+    let text = format!(
+        "{name} is not identifiable from this measurement: it would be {value:.4e} {unit} (sigma {sigma:.1e}) and is held \
+         at its bound, 0"
+    );
+    if value < -3.0 * sigma {
+        text + "; a delay between torque and angle does this"
+    } else {
+        text
+    }
+}
+
+/// The first result that is no number, σ apart, which may be infinite.
+fn finite(found: &Identification) -> Option<Error> {
+    let parameters = found.estimates.iter();
+    let parameters = parameters.map(|e| (e.name.as_str(), e.value + e.torque));
+    let candidates = found.candidates.iter();
+    let candidates = candidates.map(|c| ("the residual of blocks that were left out", c.score));
+    let others = [
+        ("the condition number", found.condition),
+        ("the residual", found.fit.residual),
+        ("the largest residual", found.fit.largest),
+        ("the deviation of the torque", found.fit.torque),
+        ("the residual of any curve", found.residual_of_any_curve),
+    ];
+    let mut results = parameters.chain(candidates).chain(others);
+    let (name, value) = results.find(|(_, value)| !value.is_finite())?;
+    Some(Error::Result {
+        name: name.to_owned(),
+        value,
     })
 }
 

@@ -6,11 +6,22 @@ use crate::regression::{LINEAR, Order};
 use arm::hysteresis;
 
 /// Move after which eq 13 has forgotten 99 % of where z started \[rad\].
-const FORGETTING: f64 = 2.0 * hysteresis::DISPLACEMENT * 4.6;
+pub(crate) const FORGETTING: f64 = 2.0 * hysteresis::DISPLACEMENT * 4.6;
+
+/// Why a segment leaves no row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unused {
+    /// It has fewer samples than the filter and the differences need.
+    Short,
+    /// It is over before z has forgotten its start and the filter is full again.
+    Still,
+}
 
 /// What is left of a segment.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
+    /// Samples at the beginning that do not count, since z has not forgotten its start.
+    pub(crate) waited: usize,
     /// Time of the first row \[s\].
     pub(crate) start: f64,
     /// What the cogging is computed from: every angle for [`Order::Regressors`], the filtered one of each row for
@@ -50,7 +61,7 @@ fn dahl(angle: &[f64]) -> (Vec<f64>, usize) {
 }
 
 impl Piece {
-    /// None: too short to leave a row, from where z has forgotten its start on if it is to `wait` for that.
+    /// The rows of a segment, from where z has forgotten its start on if it is to `wait` for that.
     pub(crate) fn new(
         segment: &Segment,
         measurement: &Measurement,
@@ -58,10 +69,10 @@ impl Piece {
         order: Order,
         stride: usize,
         wait: bool,
-    ) -> Option<Self> {
+    ) -> Result<Self, Unused> {
         let n = segment.angle.len().min(segment.torque.len());
         if n < filter.taps().len() + 2 {
-            return None;
+            return Err(Unused::Short);
         }
         let (angle, h) = (&segment.angle[..n], measurement.period);
         let acting: Vec<f64> = match measurement.timing {
@@ -89,12 +100,12 @@ impl Piece {
         // The first row whose window holds no sample from before z forgot its start.
         let first = if wait { settled } else { 0 };
         if first >= inner.len() {
-            return None;
+            return Err(Unused::Still);
         }
         let every = |x: &[f64]| filter.apply(&x[first..], stride).collect::<Vec<_>>();
         let torque = every(&acting[..inner.len()]);
         if torque.is_empty() {
-            return None;
+            return Err(Unused::Still);
         }
         let theta = every(inner);
         let (hysteresis, of_cogging) = match order {
@@ -104,7 +115,8 @@ impl Piece {
                 theta.clone(),
             ),
         };
-        Some(Self {
+        Ok(Self {
+            waited: first,
             start: segment.start + h * (1 + first + filter.delay()) as f64,
             linear: [
                 every(&difference(&acceleration)),

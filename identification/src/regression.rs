@@ -9,7 +9,7 @@
 //! cos(iw·mean θ): see [`Order`].
 
 use crate::measurement::Measurement;
-use crate::piece::Piece;
+use crate::piece::{FORGETTING, Piece, Unused};
 use crate::{Error, Hann};
 use arm::HARMONICS;
 use nalgebra::{DMatrix, DVector};
@@ -51,6 +51,10 @@ pub struct Regression {
     period: f64,
     stride: usize,
     rows: usize,
+    /// Samples of the whole measurement.
+    samples: usize,
+    /// Why some segments leave no row, and how many samples they have.
+    dropped: Vec<(Unused, usize)>,
     /// Rows that count; None: all.
     counted: Option<Vec<bool>>,
 }
@@ -71,29 +75,23 @@ impl Regression {
     ) -> Result<Self, Error> {
         measurement.validate()?;
         let stride = stride.max(1);
-        let pieces = |settled| -> Vec<Piece> {
-            let segments = measurement.segments.iter();
-            segments
-                .filter_map(|s| {
-                    Piece::new(
-                        s,
-                        measurement,
-                        [filter, of_hysteresis],
-                        order,
-                        stride,
-                        settled,
-                    )
-                })
-                .collect()
+        let filters = [filter, of_hysteresis];
+        let pieces = |wait| {
+            let (mut pieces, mut dropped) = (Vec::new(), Vec::new());
+            for segment in &measurement.segments {
+                match Piece::new(segment, measurement, filters, order, stride, wait) {
+                    Ok(piece) => pieces.push(piece),
+                    Err(why) => dropped.push((why, segment.angle.len())),
+                }
+            }
+            (pieces, dropped)
         };
         // Of an arm that hardly moves all is kept: which parameters that leaves open is found out later.
-        let settled = pieces(true);
-        let pieces = if settled.is_empty() {
-            pieces(false)
-        } else {
-            settled
-        };
-        let rows = pieces.iter().map(|piece| piece.torque.len()).sum();
+        let (mut kept, mut dropped) = pieces(true);
+        if kept.is_empty() {
+            (kept, dropped) = pieces(false);
+        }
+        let rows = kept.iter().map(|piece| piece.torque.len()).sum();
         if rows < needed {
             return Err(Error::TooShort {
                 rows,
@@ -103,14 +101,57 @@ impl Regression {
             });
         }
         Ok(Self {
-            pieces,
+            pieces: kept,
             filter: filter.clone(),
             order,
             period: measurement.period,
             stride,
             rows,
+            samples: measurement.samples(),
+            dropped,
             counted: None,
         })
+    }
+
+    /// Which samples of a measurement with gaps do not count, and why.
+    pub fn unused(&self) -> Vec<String> {
+        let stretches = self.pieces.len() + self.dropped.len();
+        if stretches < 2 {
+            return Vec::new();
+        }
+        let of = |why: Unused| {
+            let samples = self.dropped.iter().filter(move |(w, _)| *w == why);
+            samples.fold((0, 0), |(n, sum), (_, samples)| (n + 1, sum + samples))
+        };
+        let waited: usize = self.pieces.iter().map(|piece| piece.waited).sum();
+        let needed = self.filter.taps().len() + 2;
+        let reasons = [
+            (
+                of(Unused::Short),
+                format!("stretches are shorter than the {needed} samples that the filter needs"),
+            ),
+            (
+                of(Unused::Still),
+                format!(
+                    "stretches end before the arm has moved {FORGETTING:.2} rad, after which the hysteresis has forgotten its start"
+                ),
+            ),
+            (
+                (self.pieces.len(), waited),
+                format!("stretches begin to count once the arm has moved {FORGETTING:.2} rad"),
+            ),
+        ];
+        let text = |((count, samples), reason): ((usize, usize), String)| {
+            (samples > 0).then(|| {
+                format!(
+                    "samples are missing in {} places: {samples} of {} samples do not count, since {count} of {stretches} \
+                     {reason}",
+                    stretches - 1,
+                    self.samples
+                )
+            })
+        };
+        reasons.into_iter().filter_map(text).collect()
     }
 
     /// The same with zeros in place of all rows at rest or soon after a reversal, where friction that holds the

@@ -26,7 +26,7 @@ pub struct Tube {
 ///
 /// Heat goes with the mean square of the torque, and the root mean square of a sum is at most the sum of both:
 /// a plan that keeps to 1 − rms(fb)/(rms(ff) + rms(fb)) leaves enough for the feedback. Twice that is left.
-/// None: no samples, no torque, or a feedback that did more than the feedforward, so that its error would not be
+/// None: no samples, no torque, values beyond arithmetic, or a feedback that did more than the feedforward, so that its error would not be
 /// that of the identified arm.
 pub fn propose(error: &[f64], feedforward: &[f64], feedback: &[f64]) -> Option<Tube> {
     if error.is_empty() || feedforward.is_empty() || feedback.is_empty() {
@@ -34,10 +34,10 @@ pub fn propose(error: &[f64], feedforward: &[f64], feedback: &[f64]) -> Option<T
     }
     let rms = |x: &[f64]| (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt();
     let (ff, fb) = (rms(feedforward), rms(feedback));
-    if ff.is_nan() || ff <= fb {
+    let largest = error.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
+    if !(ff + fb + largest).is_finite() || ff <= fb {
         return None;
     }
-    let largest = error.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
     let share = fb / (ff + fb);
     let left = (SAFETY * share).clamp(LEAST_FEEDBACK, 1.0 - LEAST_SHARE);
     Some(Tube {
@@ -76,5 +76,6 @@ mod tests {
     fn feedback_alone_proposes_nothing() {
         assert_eq!(propose(&[0.1], &[0.0], &[1.0]), None);
         assert_eq!(propose(&[], &[1.0], &[0.1]), None);
+        assert_eq!(propose(&[0.1], &[1e200], &[0.1]), None);
     }
 }

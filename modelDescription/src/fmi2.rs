@@ -31,7 +31,8 @@ fn document(out: &mut String, d: &ModelDescription) -> fmt::Result {
     }
     write!(out, "\n    variableNamingConvention=\"structured\"")?;
     if d.model_exchange.is_some() {
-        write!(out, " numberOfEventIndicators=\"0\"")?;
+        let count = d.event_indicators.len();
+        write!(out, " numberOfEventIndicators=\"{count}\"")?;
     }
     writeln!(out, ">")?;
     if let Some(me) = &d.model_exchange {
@@ -78,10 +79,11 @@ fn interface(out: &mut String, tag: &str, i: &Interface, flags: &str) -> fmt::Re
     writeln!(
         out,
         "  <{tag} modelIdentifier=\"{}\" canGetAndSetFMUstate=\"{}\" canSerializeFMUstate=\"{}\" \
-         canNotUseMemoryManagementFunctions=\"true\"{flags}/>",
+         canNotUseMemoryManagementFunctions=\"true\" providesDirectionalDerivative=\"{}\"{flags}/>",
         escape(&i.model_identifier),
         i.can_get_and_set_state,
         i.can_serialize_state,
+        i.provides_directional_derivatives,
     )
 }
 

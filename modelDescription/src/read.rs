@@ -5,7 +5,7 @@
 
 use crate::check;
 use crate::tree::{
-    Causality, DisplayUnit, EnumerationType, Experiment, Initial, Interface, Item, Kind,
+    Causality, Clock, DisplayUnit, EnumerationType, Experiment, Initial, Interface, Item, Kind,
     LogCategory, ModelDescription, Unit, Unknown, Value, Variability, Variable,
 };
 use crate::xml::{Reader, parse_f64};
@@ -40,9 +40,10 @@ pub fn read(text: &str, file: &str) -> Result<ModelDescription, Vec<Diagnostic>>
 }
 
 /// The children of `fmiModelDescription` in the order that the schema demands.
-const SECTIONS: [&str; 8] = [
+const SECTIONS: [&str; 9] = [
     "ModelExchange",
     "CoSimulation",
+    "ScheduledExecution",
     "UnitDefinitions",
     "TypeDefinitions",
     "LogCategories",
@@ -93,6 +94,7 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
         generation_tool: r.required(node, "generationTool"),
         model_exchange: None,
         co_simulation: None,
+        scheduled_execution: None,
         units: Vec::new(),
         types: Vec::new(),
         log_categories: Vec::new(),
@@ -101,6 +103,8 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
         outputs: Vec::new(),
         derivatives: Vec::new(),
         initial_unknowns: Vec::new(),
+        event_indicators: Vec::new(),
+        clocks: Vec::new(),
     };
     let sections = r.children(node, &SECTIONS);
     in_order(r, &sections, &SECTIONS, true);
@@ -108,6 +112,9 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
         match section.tag_name().name() {
             "ModelExchange" => description.model_exchange = Some(interface(r, section)),
             "CoSimulation" => description.co_simulation = Some(interface(r, section)),
+            "ScheduledExecution" => {
+                description.scheduled_execution = Some(interface(r, section));
+            }
             "UnitDefinitions" => description.units = every(r, section, &["Unit"], unit),
             "TypeDefinitions" => {
                 description.types = every(r, section, &["EnumerationType"], enumeration_type);
@@ -117,10 +124,11 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
             }
             "DefaultExperiment" => description.experiment = experiment(r, section),
             "ModelVariables" => {
-                description.variables = every(r, section, Kind::NAMES, variable)
-                    .into_iter()
-                    .flatten()
-                    .collect();
+                let known = [Kind::NAMES, &["Clock"]].concat();
+                for (variable, clock) in every(r, section, &known, variable_or_clock) {
+                    description.variables.extend(variable);
+                    description.clocks.extend(clock);
+                }
             }
             _ => structure(r, section, &mut description),
         }
@@ -169,17 +177,19 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
         "modelIdentifier",
         "canGetAndSetFMUState",
         "canSerializeFMUState",
+        "providesDirectionalDerivatives",
+        "providesAdjointDerivatives",
     ];
-    known.extend_from_slice(if node.has_tag_name("ModelExchange") {
-        &["needsCompletedIntegratorStep"]
-    } else {
-        &[
+    known.extend_from_slice(match node.tag_name().name() {
+        "ModelExchange" => &["needsCompletedIntegratorStep"],
+        "ScheduledExecution" => &[],
+        _ => &[
             "canHandleVariableCommunicationStepSize",
             "canReturnEarlyAfterIntermediateUpdate",
             "mightReturnEarlyFromDoStep",
             "providesIntermediateUpdate",
             "hasEventMode",
-        ]
+        ],
     });
     r.know_attributes(node, &known);
     r.children(node, &[]);
@@ -189,6 +199,9 @@ fn interface<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Interface {
         can_serialize_state: r.flag(node, "canSerializeFMUState"),
         needs_completed_integrator_step: r.flag(node, "needsCompletedIntegratorStep"),
         can_handle_variable_step: r.flag(node, "canHandleVariableCommunicationStepSize"),
+        provides_directional_derivatives: r.flag(node, "providesDirectionalDerivatives"),
+        has_event_mode: r.flag(node, "hasEventMode"),
+        provides_adjoint_derivatives: r.flag(node, "providesAdjointDerivatives"),
         line: r.line(node),
     }
 }
@@ -275,6 +288,60 @@ fn experiment<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Experiment {
         step_size: r.number(node, "stepSize"),
         line: r.line(node),
     }
+}
+
+fn variable_or_clock<'a>(
+    r: &mut Reader<'a>,
+    node: Node<'a, 'a>,
+) -> (Option<Variable>, Option<Clock>) {
+    if node.has_tag_name("Clock") {
+        (None, clock(r, node))
+    } else {
+        (variable(r, node), None)
+    }
+}
+
+/// A clock; None if it has no value reference.
+fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
+    r.know_attributes(
+        node,
+        &[
+            "name",
+            "valueReference",
+            "causality",
+            "variability",
+            "description",
+            "intervalVariability",
+            "intervalDecimal",
+            "priority",
+        ],
+    );
+    r.children(node, &[]);
+    for (attribute, value) in [
+        ("causality", "input"),
+        ("variability", "discrete"),
+        ("intervalVariability", "fixed"),
+    ] {
+        if node.attribute(attribute) != Some(value) {
+            r.problem(
+                node,
+                format_args!("a clock must have {attribute}=\"{value}\""),
+            );
+        }
+    }
+    r.required(node, "priority");
+    r.parsed(node, "priority", "a number from 0", |t| {
+        t.parse::<u32>().ok()
+    });
+    r.required(node, "valueReference");
+    r.required(node, "intervalDecimal");
+    Some(Clock {
+        interval: r.number(node, "intervalDecimal").unwrap_or_default(),
+        name: r.required(node, "name"),
+        description: r.required(node, "description"),
+        line: r.line(node),
+        value_reference: r.reference(node, "valueReference")?,
+    })
 }
 
 /// A variable; None if it has no value reference and can therefore not be checked further.
@@ -368,7 +435,12 @@ fn dimension<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<u32> {
 }
 
 fn structure<'a>(r: &mut Reader<'a>, section: Node<'a, 'a>, description: &mut ModelDescription) {
-    const ENTRIES: [&str; 3] = ["Output", "ContinuousStateDerivative", "InitialUnknown"];
+    const ENTRIES: [&str; 4] = [
+        "Output",
+        "ContinuousStateDerivative",
+        "InitialUnknown",
+        "EventIndicator",
+    ];
     r.know_attributes(section, &[]);
     let entries = r.children(section, &ENTRIES);
     in_order(r, &entries, &ENTRIES, false);
@@ -389,6 +461,7 @@ fn structure<'a>(r: &mut Reader<'a>, section: Node<'a, 'a>, description: &mut Mo
         match entry.tag_name().name() {
             "Output" => description.outputs.push(unknown),
             "ContinuousStateDerivative" => description.derivatives.push(unknown),
+            "EventIndicator" => description.event_indicators.push(unknown),
             _ => description.initial_unknowns.push(unknown),
         }
     }

@@ -116,7 +116,25 @@ fn model(out: &mut String, d: &ModelDescription) {
     );
     let derivatives: Vec<_> = d.derivatives.iter().map(|u| u.value_reference).collect();
     line!(out, "    derivatives: &{derivatives:?},");
+    let indicators = d.event_indicators.iter().map(|u| u.value_reference);
+    let indicators: Vec<_> = indicators.collect();
+    line!(out, "    event_indicators: &{indicators:?},");
+    line!(out, "    clocks: &[");
+    for c in &d.clocks {
+        line!(out, "        ::fmi_unit::Clock {{");
+        line!(out, "            name: {:?},", c.name);
+        line!(out, "            value_reference: {},", c.value_reference);
+        line!(out, "            interval: {},", number(c.interval));
+        line!(out, "        }},");
+    }
+    line!(out, "    ],");
     line!(out, "    model_exchange: {},", d.model_exchange.is_some());
+    let event_mode = d.co_simulation.as_ref().is_some_and(|i| i.has_event_mode);
+    line!(out, "    event_mode: {event_mode},");
+    let scheduled = d.scheduled_execution.is_some();
+    line!(out, "    scheduled_execution: {scheduled},");
+    let derivatives = d.interfaces().any(|i| i.provides_directional_derivatives);
+    line!(out, "    directional_derivatives: {derivatives},");
     let categories: Vec<_> = d.log_categories.iter().map(|c| &c.name).collect();
     line!(out, "    log_categories: &{categories:?},");
     line!(out, "}};");

@@ -26,6 +26,8 @@ pub struct ModelDescription {
     pub model_exchange: Option<Interface>,
     /// Co-Simulation, if offered.
     pub co_simulation: Option<Interface>,
+    /// Scheduled Execution, if offered: by FMI 3.0 only.
+    pub scheduled_execution: Option<Interface>,
     /// Units.
     pub units: Vec<Unit>,
     /// Enumeration types.
@@ -42,6 +44,10 @@ pub struct ModelDescription {
     pub derivatives: Vec<Unknown>,
     /// `InitialUnknown` entries of the model structure.
     pub initial_unknowns: Vec<Unknown>,
+    /// `EventIndicator` entries of the model structure.
+    pub event_indicators: Vec<Unknown>,
+    /// Input clocks, which FMI 2.0 does not have.
+    pub clocks: Vec<Clock>,
 }
 
 impl ModelDescription {
@@ -50,6 +56,12 @@ impl ModelDescription {
         self.variables
             .iter()
             .find(|v| v.value_reference == value_reference)
+    }
+
+    /// The interfaces that are offered.
+    pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
+        let both = self.model_exchange.iter().chain(&self.co_simulation);
+        both.chain(&self.scheduled_execution)
     }
 
     /// The enumeration type of a variable, if it has one.
@@ -66,7 +78,7 @@ impl ModelDescription {
     }
 }
 
-/// Attributes of `ModelExchange` or `CoSimulation` that the units use.
+/// Attributes of `ModelExchange`, `CoSimulation` or `ScheduledExecution` that the units use.
 #[derive(Clone, Debug, Default)]
 #[allow(missing_docs, reason = "the names are the standard's")]
 pub struct Interface {
@@ -75,6 +87,9 @@ pub struct Interface {
     pub can_serialize_state: bool,
     pub needs_completed_integrator_step: bool,
     pub can_handle_variable_step: bool,
+    pub provides_directional_derivatives: bool,
+    pub provides_adjoint_derivatives: bool,
+    pub has_event_mode: bool,
     pub line: u32,
 }
 
@@ -304,6 +319,21 @@ impl Variable {
             Some(_) => format!("{}[{i}]", self.name),
         })
     }
+}
+
+/// An input clock that ticks in an interval which is fixed when the unit is set up (FMI 3.0 sec 2.2.8).
+#[derive(Clone, Debug)]
+pub struct Clock {
+    /// Name, as of a variable.
+    pub name: String,
+    /// Value reference.
+    pub value_reference: u32,
+    /// What happens when it ticks.
+    pub description: String,
+    /// Interval that follows from the start values \[s\].
+    pub interval: f64,
+    /// Line of its declaration.
+    pub line: u32,
 }
 
 /// An entry of the model structure.

@@ -8,37 +8,43 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+/// Shared libraries and executables by target name.
+pub type Products = BTreeMap<String, PathBuf>;
+
 /// The cargo that runs us.
 pub fn command(workspace: &Workspace) -> Command {
     workspace.command(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Builds packages in release. Returns the shared libraries and executables by target name.
+/// Builds packages in release, for this platform.
 ///
-/// For a `product`, built for `triple`, the compiler is told to forget where this machine keeps
+/// For a `product`, built for that target, the compiler is told to forget where this machine keeps
 /// sources, so that equal sources give equal binaries everywhere.
 pub fn build(
     workspace: &Workspace,
     packages: &[&str],
     product: Option<&str>,
-) -> Result<BTreeMap<String, PathBuf>, String> {
+) -> Result<Products, String> {
     let mut cargo = command(workspace);
-    cargo.args([
-        "build",
-        "--release",
-        "--message-format=json-render-diagnostics",
-    ]);
+    cargo.arg("build");
     if let Some(triple) = product {
         cargo.args(["--target", triple]);
         cargo.env("CARGO_ENCODED_RUSTFLAGS", remapped_paths(workspace)?);
     }
+    products(cargo, packages, env::consts::DLL_SUFFIX)
+}
+
+/// Runs a command that builds, `cargo build` or one like it, for packages in release. The names of
+/// shared libraries end with `suffix`.
+pub fn products(mut cargo: Command, packages: &[&str], suffix: &str) -> Result<Products, String> {
+    cargo.args(["--release", "--message-format=json-render-diagnostics"]);
     for package in packages {
         cargo.args(["--package", package]);
     }
     let output = cargo
         .stderr(Stdio::inherit())
         .output()
-        .map_err(|e| format!("cargo: {e}"))?;
+        .map_err(|e| format!("{}: {e}", cargo.get_program().display()))?;
     if !output.status.success() {
         return Err(format!("building {} failed", packages.join(", ")));
     }
@@ -56,7 +62,7 @@ pub fn build(
             continue;
         }
         // A library lists its rlib beside the shared library.
-        let shared = |name: &&str| name.ends_with(env::consts::DLL_SUFFIX);
+        let shared = |name: &&str| name.ends_with(suffix);
         let files = message["filenames"].as_array().into_iter().flatten();
         let file = message["executable"]
             .as_str()
@@ -76,7 +82,7 @@ pub fn host(workspace: &Workspace) -> Result<PathBuf, String> {
 }
 
 /// Compiler flags that replace the paths of this machine, for `CARGO_ENCODED_RUSTFLAGS`.
-fn remapped_paths(workspace: &Workspace) -> Result<OsString, String> {
+pub fn remapped_paths(workspace: &Workspace) -> Result<OsString, String> {
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home
         .or_else(|| env::home_dir().map(|home| home.join(".cargo")))
@@ -93,16 +99,14 @@ fn remapped_paths(workspace: &Workspace) -> Result<OsString, String> {
     Ok(flags)
 }
 
-/// What `cargo metadata` says of the workspace and its dependencies on this platform.
-pub fn metadata(workspace: &Workspace, triple: &str) -> Result<Value, String> {
-    let output = command(workspace)
-        .args([
-            "metadata",
-            "--format-version",
-            "1",
-            "--filter-platform",
-            triple,
-        ])
+/// What `cargo metadata` says of the workspace and its dependencies for these targets.
+pub fn metadata(workspace: &Workspace, triples: &[&str]) -> Result<Value, String> {
+    let mut cargo = command(workspace);
+    cargo.args(["metadata", "--format-version", "1"]);
+    for triple in triples {
+        cargo.args(["--filter-platform", triple]);
+    }
+    let output = cargo
         .stderr(Stdio::inherit())
         .output()
         .map_err(|e| format!("cargo: {e}"))?;

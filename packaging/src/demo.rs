@@ -1,5 +1,6 @@
 //! `cargo xtask demo`: the packaged controller moves the packaged arm.
 
+use crate::package::Platforms;
 use crate::workspace::{Workspace, announce};
 use crate::{cargo, package};
 
@@ -8,7 +9,7 @@ pub const SETPOINTS: &str = "packaging/assets/tflex-setpoints.csv";
 
 /// Packages, simulates 20 s and says where the report is.
 pub fn run(workspace: &Workspace) -> Result<(), String> {
-    package::run(workspace)?;
+    package::run(workspace, Platforms::This)?;
     announce("Simulating 20 s of the T-flex from the packaged FMUs (FMI 3.0)");
     let host = cargo::host(workspace)?;
     workspace.run(workspace.command(host).args([

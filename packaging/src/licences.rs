@@ -2,7 +2,6 @@
 
 use crate::archive::Archive;
 use crate::cargo;
-use crate::platform::Platform;
 use crate::workspace::Workspace;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,13 +15,15 @@ const FOLDER: &str = "documentation/licenses";
 pub struct Licences(BTreeMap<String, Vec<u8>>);
 
 impl Licences {
-    /// Collects the licences of `package` and of everything linked into it.
+    /// Collects the licences of `package` and of everything linked into it for these targets.
+    /// `runtime` are name and licence of what the linker adds.
     pub fn collect(
         workspace: &Workspace,
-        platform: Platform,
+        triples: &[&str],
         package: &str,
+        runtime: &[(&str, String)],
     ) -> Result<Self, String> {
-        let metadata = cargo::metadata(workspace, platform.triple)?;
+        let metadata = cargo::metadata(workspace, triples)?;
         let mut files = BTreeMap::new();
         for own in ["LICENSE-MIT", "LICENSE-APACHE"] {
             files.insert(format!("{FOLDER}/{own}.txt"), workspace.read_bytes(own)?);
@@ -30,6 +31,11 @@ impl Licences {
         // Most crates share a text word for word: each text stands once, under those that carry it.
         let mut notices: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         let mut list = String::new();
+        for (name, text) in runtime {
+            list += &format!("  {name}\n");
+            let titles = notices.entry(text.clone()).or_default();
+            titles.insert((*name).to_owned());
+        }
         for linked in linked(&metadata, package)? {
             // Crates of this workspace have no source; they share our licence.
             if linked["source"].is_null() {
@@ -47,7 +53,7 @@ impl Licences {
         let entry = format!(
             "This unit is licensed under MIT OR Apache-2.0, at your choice: see LICENSE-MIT.txt and\n\
              LICENSE-APACHE.txt.\n\n\
-             Its binary contains the Rust standard library (MIT OR Apache-2.0) and these crates, whose\n\
+             Its binary contains the Rust standard library (MIT OR Apache-2.0) and these libraries, whose\n\
              notices are in third-party.txt:\n\n{list}"
         );
         let rule = "=".repeat(80);

@@ -7,19 +7,23 @@ mod archive;
 mod cargo;
 mod demo;
 mod fmu;
+mod imports;
 mod licences;
 mod package;
 mod page;
 mod parameters;
 mod platform;
 mod plot;
+mod python;
 mod reproduce;
 mod shooting;
 mod ssp;
 mod test;
+mod toolchain;
 mod workspace;
 
 use clap::{Parser, Subcommand};
+use package::Platforms;
 use std::process::ExitCode;
 use workspace::Workspace;
 
@@ -41,7 +45,14 @@ enum Command {
     ///
     /// Writes dist/fmi2/*.fmu, dist/fmi3/*.fmu (the same binaries, described for each version of the
     /// standard), dist/parameters/*.ssv, and connected dist/FlexArm.ssp and dist/ssp/. Equal inputs give equal bytes.
-    Package,
+    Package {
+        /// Carry binaries for 64-bit Windows, Linux and Linux on ARM, on systems since 2012
+        ///
+        /// Fetches what it needs into target/toolchain, 0.6 GB: zig from PyPI and, for a standard
+        /// library that your compiler does not have, Debian's compiler.
+        #[arg(long)]
+        all_platforms: bool,
+    },
     /// Package, then simulate 20 s of setpoints on the T-flex and write a report
     ///
     /// The report is dist/demo/report.html, the result beside it; packaging/assets/tflex-setpoints.csv
@@ -57,6 +68,11 @@ enum Command {
     /// Makes a Python environment in target/venv with what tests/requirements.txt pins. Stops at the
     /// first step that fails.
     Test {
+        /// Instead build for every platform and compare them under emulation
+        ///
+        /// Windows in Wine, Linux on ARM in qemu: both must do what this platform does, to the last bit.
+        #[arg(long)]
+        platforms: bool,
         /// Arguments for pytest, after `--`: for example `-- -k snapshots`
         #[arg(last = true)]
         pytest: Vec<String>,
@@ -66,10 +82,18 @@ enum Command {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = Workspace::find().and_then(|workspace| match arguments.command {
-        Command::Package => package::run(&workspace),
+        Command::Package { all_platforms } => package::run(
+            &workspace,
+            if all_platforms {
+                Platforms::All
+            } else {
+                Platforms::This
+            },
+        ),
         Command::Demo => demo::run(&workspace),
         Command::Reproduce => reproduce::run(&workspace),
-        Command::Test { pytest } => test::run(&workspace, &pytest),
+        Command::Test { platforms, pytest } if platforms => test::platforms(&workspace, &pytest),
+        Command::Test { pytest, .. } => test::run(&workspace, &pytest),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,9 +1,12 @@
 //! `cargo xtask package`: from sources to `dist/`.
 
 use crate::archive::write_whole;
+use crate::cargo::Products;
 use crate::fmu::{Content, Version};
+use crate::imports::Imports;
 use crate::licences::Licences;
 use crate::platform::Platform;
+use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
 use crate::{cargo, page, parameters, plot, ssp};
 use model_description::ModelDescription;
@@ -37,8 +40,17 @@ const UNITS: [Unit; 2] = [
 /// Terminals of both units in FMI 3.0.
 const TERMINALS: &str = "modelDescription/terminalsAndIcons.xml";
 
+/// The platforms that an FMU is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Platforms {
+    /// This one, with its own compiler and linker.
+    This,
+    /// Every one.
+    All,
+}
+
 /// Builds both units and writes the FMUs, the parameter sets and the system structures.
-pub fn run(workspace: &Workspace) -> Result<(), String> {
+pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
     announce("Checking the contracts and writing the parameter sets");
     let mut descriptions = Vec::new();
     for unit in &UNITS {
@@ -49,7 +61,8 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
     parameters::write(workspace, &descriptions)?;
 
     announce("Building both units and the host");
-    let mut contents = contents(workspace, descriptions)?;
+    let built = build(workspace, platforms)?;
+    let mut contents = contents(workspace, descriptions, &built)?;
     let host = cargo::host(workspace)?;
     for content in &contents {
         write(workspace, content)?;
@@ -69,24 +82,64 @@ pub fn run(workspace: &Workspace) -> Result<(), String> {
     Ok(())
 }
 
+/// Libraries by platform, and what the linker added to them.
+struct Built {
+    products: Vec<(Platform, Products)>,
+    runtime: Vec<(&'static str, String)>,
+}
+
+fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
+    let packages: Vec<_> = UNITS.iter().map(|u| u.package).collect();
+    match platforms {
+        Platforms::This => {
+            let this = Platform::host()?;
+            let products = cargo::build(workspace, &packages, Some(this.native))?;
+            Ok(Built {
+                products: vec![(this, products)],
+                runtime: Vec::new(),
+            })
+        }
+        Platforms::All => {
+            let toolchain = Toolchain::prepare(workspace, &Platform::ALL)?;
+            Ok(Built {
+                products: toolchain.build(workspace, &packages)?,
+                runtime: toolchain.runtime(workspace)?,
+            })
+        }
+    }
+}
+
 fn contents(
     workspace: &Workspace,
     descriptions: Vec<ModelDescription>,
+    built: &Built,
 ) -> Result<Vec<Content>, String> {
-    let platform = Platform::host()?;
-    let packages: Vec<_> = UNITS.iter().map(|u| u.package).collect();
-    let built = cargo::build(workspace, &packages, Some(platform.triple))?;
+    let Built { products, runtime } = built;
+    let triples: Vec<_> = products
+        .iter()
+        .map(|(platform, _)| platform.portable)
+        .collect();
     let mut contents = Vec::new();
     for (unit, description) in UNITS.iter().zip(descriptions) {
-        let library = built
-            .get(unit.library)
-            .ok_or_else(|| format!("{} built no shared library", unit.package))?;
-        let binary = fs::read(library).map_err(|e| format!("{}: {e}", library.display()))?;
+        let mut binaries = Vec::new();
+        for (platform, libraries) in products {
+            let library = libraries
+                .get(unit.library)
+                .ok_or_else(|| format!("{} built no shared library", unit.package))?;
+            let name = library.display();
+            let binary = fs::read(library).map_err(|e| format!("{name}: {e}"))?;
+            // What is built for this platform alone may use all that this platform has.
+            if products.len() > 1 {
+                let imports = Imports::read(&binary).and_then(|imports| imports.check());
+                imports.map_err(|e| format!("{name}: {e}"))?;
+            }
+            binaries.push((*platform, binary));
+        }
         let art =
             |kind: &str| workspace.read_bytes(&format!("packaging/assets/{}.{kind}", unit.art));
         contents.push(Content {
-            binaries: vec![(platform, binary)],
-            licences: Licences::collect(workspace, platform, unit.package)?,
+            binaries,
+            licences: Licences::collect(workspace, &triples, unit.package, runtime)?,
             terminals: workspace.read_bytes(TERMINALS)?,
             page: page::write(workspace, &description, unit.art, "")?,
             icon_png: art("png")?,

@@ -1,6 +1,7 @@
 //! `cargo xtask reproduce`: the paper's experiments from the packaged FMUs.
 
 use crate::archive::write_whole;
+use crate::package::Platforms;
 use crate::workspace::{Workspace, announce};
 use crate::{cargo, package, shooting};
 use std::path::Path;
@@ -28,7 +29,7 @@ const MISSED: i32 = 3;
 
 /// Packages, makes all runs and says where the page is.
 pub fn run(workspace: &Workspace) -> Result<(), String> {
-    package::run(workspace)?;
+    package::run(workspace, Platforms::This)?;
     let host = cargo::host(workspace)?;
     let figure = workspace.path(PAPER).join(SHOOTING);
     write_whole(&figure, shooting::figure()?.as_bytes())?;

@@ -53,6 +53,15 @@ impl Grid {
         self.begin(moves.len())
     }
 
+    /// The one of `moves` that is in force `ago` \[s\] after the plan began; none after their end. O(moves).
+    pub fn move_at(&self, moves: &[f64], ago: f64) -> Option<f64> {
+        // An instant that misses a node by rounding belongs to the interval after it.
+        let begun = |k: &usize| self.begin(k + 1) <= ago * (1.0 + 1e-9);
+        moves
+            .get((0..moves.len()).take_while(begun).count())
+            .copied()
+    }
+
     /// Velocity that the `moves` of a plan made `ago` \[s\] still add up to \[rad/s\]. O(moves).
     pub fn gain_left(&self, moves: &[f64], ago: f64) -> f64 {
         let left = |k: usize| self.begin(k + 1) - self.begin(k).max(ago);
@@ -120,6 +129,18 @@ mod tests {
                 let expected = moves.get(k + periods).unwrap_or(&0.0);
                 prop_assert!((u - expected).abs() < 1e-12, "{k}: {u} {expected}");
             }
+        }
+
+        #[test]
+        fn moves_follow_each_other(
+            moves in any_moves(50), growth in 1.0..1.5_f64, longest in 1e-3..0.1, share in 0.0..1.0,
+        ) {
+            let grid = Grid::new(&growing(1e-3, growth, longest));
+            for (k, u) in moves.iter().enumerate() {
+                let (from, to) = (grid.begin(k), grid.begin(k + 1));
+                prop_assert_eq!(grid.move_at(&moves, from + 0.99 * share * (to - from)), Some(*u));
+            }
+            prop_assert_eq!(grid.move_at(&moves, grid.duration_of(&moves)), None);
         }
 
         /// Velocity at every new node is that of the old plan at the same time.

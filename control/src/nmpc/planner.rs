@@ -159,6 +159,11 @@ impl Planner {
         self.transcription.problem()
     }
 
+    /// Its shooting nodes in time.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// The latest plan.
     pub fn latest(&self) -> &Plan {
         &self.plan

@@ -25,6 +25,7 @@
 //! ```
 
 use arm::{Motor, Parameters};
+use serde::{Deserialize, Serialize};
 
 use super::torque_bounds::TorqueLimit;
 
@@ -138,7 +139,7 @@ impl Problem {
 }
 
 /// State at the start of a plan (eq 23).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Initial {
     /// θ, measured \[rad\].
     pub angle: f64,

@@ -62,7 +62,7 @@ impl Run {
         if !command.new_plan {
             return;
         }
-        let plan = closed_loop.controller.plan();
+        let plan = closed_loop.controller.plan().expect("at hand");
         self.excess = self.excess.max(command.thermal_load - limit);
         self.plans += 1;
         self.iterated += u32::from(plan.iterations > 0);

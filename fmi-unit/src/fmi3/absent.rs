@@ -23,54 +23,31 @@ absent! {
     fmi3SetBinary(
         references: *const fmi3ValueReference, n: usize, value_sizes: *const usize, values: *const fmi3Binary, n_values: usize
     ): n > 0, "a binary variable";
-    fmi3GetClock(references: *const fmi3ValueReference, n: usize, values: *mut fmi3Clock): n > 0, "a clock";
-    fmi3SetClock(
-        references: *const fmi3ValueReference, n: usize, values: *const fmi3Clock
-    ): n > 0, "a clock";
     fmi3GetNumberOfVariableDependencies(
         reference: fmi3ValueReference, n_dependencies: *mut usize
     ): true, "the inquiry of dependencies";
     fmi3GetVariableDependencies(
         dependent: fmi3ValueReference, element_indices_of_dependent: *mut usize, independents: *mut fmi3ValueReference, element_indices_of_independents: *mut usize, dependency_kinds: *mut fmi3DependencyKind, n_dependencies: usize
     ): true, "the inquiry of dependencies";
-    fmi3GetDirectionalDerivative(
-        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
-    ): true, "the directional derivative";
-    fmi3GetAdjointDerivative(
-        unknowns: *const fmi3ValueReference, n_unknowns: usize, knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize, sensitivity: *mut fmi3Float64, n_sensitivity: usize
-    ): true, "the adjoint derivative";
     fmi3EnterConfigurationMode(): true, "Configuration Mode";
     fmi3ExitConfigurationMode(): true, "Configuration Mode";
-    fmi3GetIntervalDecimal(
-        references: *const fmi3ValueReference, n: usize, intervals: *mut fmi3Float64, qualifiers: *mut fmi3IntervalQualifier
-    ): n > 0, "a clock";
     fmi3GetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier
-    ): n > 0, "a clock";
-    fmi3GetShiftDecimal(
-        references: *const fmi3ValueReference, n: usize, shifts: *mut fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3GetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64
-    ): n > 0, "a clock";
-    fmi3SetIntervalDecimal(
-        references: *const fmi3ValueReference, n: usize, intervals: *const fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetShiftDecimal(
         references: *const fmi3ValueReference, n: usize, shifts: *const fmi3Float64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3SetShiftFraction(
         references: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64
-    ): n > 0, "a clock";
+    ): n > 0, "an interval as a fraction, or a shift,";
     fmi3EvaluateDiscreteStates(): true, "the evaluation of discrete states outside events";
-    fmi3EnterStepMode(): true, "Event Mode in Co-Simulation";
     fmi3GetOutputDerivatives(
         references: *const fmi3ValueReference, n: usize, orders: *const fmi3Int32, values: *mut fmi3Float64, n_values: usize
     ): n > 0, "the derivative of an output";
-    fmi3ActivateModelPartition(
-        clock_reference: fmi3ValueReference, activation_time: fmi3Float64
-    ): true, "Scheduled Execution";
 }

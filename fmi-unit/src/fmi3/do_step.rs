@@ -57,13 +57,13 @@ impl<U: Unit> Instance<U> {
     /// Goes on with a step. After an event the importer may look inside, if it wants to.
     fn proceed_or_pause(
         &mut self,
-        step: &Step,
+        step: &mut Step,
     ) -> Result<(Progress, Option<IntermediateUpdate>), Failure> {
         self.now.mode = Mode::Step;
         let progress = self.proceed(step)?;
         let update = match progress {
             Progress::Event(_) => self.intermediate_update,
-            Progress::Done => None,
+            Progress::Done { .. } => None,
         };
         if update.is_some() {
             self.now.mode = Mode::IntermediateUpdate;
@@ -96,13 +96,17 @@ pub unsafe fn fmi3DoStep<U: Unit>(
         .and_then(|mut step| {
             loop {
                 let (progress, update) = enter::<U, _>(instance, name, &ALWAYS, |i| {
-                    let outcome = i.proceed_or_pause(&step);
+                    let outcome = i.proceed_or_pause(&mut step);
                     *target(last_successful_time, "lastSuccessfulTime")? = i.now.time;
                     outcome
                 })?;
-                let Progress::Event(time) = progress else {
-                    *early_return = step.is_shortened().into();
-                    return Ok(());
+                let time = match progress {
+                    Progress::Event(time) => time,
+                    Progress::Done { event } => {
+                        *early_return = step.is_shortened().into();
+                        *event_handling_needed = event.into();
+                        return Ok(());
+                    }
                 };
                 if let Some(end) = update.and_then(|update| update.call(time)) {
                     step.end_early(end, time);

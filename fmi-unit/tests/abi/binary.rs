@@ -180,7 +180,6 @@ fn undeclared_capabilities_are_errors() {
             "fmi3EnterConfigurationMode",
             "fmi3ExitConfigurationMode",
             "fmi3EvaluateDiscreteStates",
-            "fmi3EnterStepMode",
         ] {
             let f: Symbol<fmi3::fmi3ResetTYPE> = library.get(name.as_bytes()).unwrap();
             assert_eq!(f.unwrap()(instance), ERROR);

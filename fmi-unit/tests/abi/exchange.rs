@@ -200,7 +200,7 @@ fn counts_are_checked() {
             fmi3::fmi3GetNumberOfEventIndicators::<Toy>(s.handle, &mut n),
             OK
         );
-        assert_eq!(n, 0);
+        assert_eq!(n, 1);
         s.initialize(0.0, None);
         let p = nominal.as_mut_ptr();
         assert_eq!(
@@ -209,8 +209,15 @@ fn counts_are_checked() {
         );
         assert_eq!(nominal, [1.0]);
         let null = std::ptr::null_mut();
-        assert_eq!(fmi3::fmi3GetEventIndicators::<Toy>(s.handle, null, 0), OK);
-        assert_eq!(fmi3::fmi3GetEventIndicators::<Toy>(s.handle, p, 1), ERROR);
+        assert_eq!(
+            fmi3::fmi3GetEventIndicators::<Toy>(s.handle, null, 0),
+            ERROR
+        );
+        s.assert_error(&["0 values for 1 event indicators"]);
+        // The indicator is 2·u.
+        assert_eq!(s.set(U, -3.0), OK);
+        assert_eq!(fmi3::fmi3GetEventIndicators::<Toy>(s.handle, p, 1), OK);
+        assert_eq!(nominal, [-6.0]);
     }
 }
 

@@ -25,6 +25,8 @@ pub const BOTH: [Version; 2] = [Version::Fmi2, Version::Fmi3];
 pub enum Kind {
     ModelExchange,
     CoSimulation,
+    /// FMI 3.0 alone has it.
+    ScheduledExecution,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +78,8 @@ pub struct Options {
     pub event_mode: bool,
     pub intermediate: fmi_abi::fmi3::fmi3IntermediateUpdateCallback,
     pub early_return: bool,
+    pub lock: fmi_abi::fmi3::fmi3LockPreemptionCallback,
+    pub unlock: fmi_abi::fmi3::fmi3UnlockPreemptionCallback,
     pub environment: *mut c_void,
     pub logger: bool,
 }
@@ -89,6 +93,8 @@ impl Default for Options {
             event_mode: false,
             intermediate: None,
             early_return: false,
+            lock: None,
+            unlock: None,
             environment: null_mut(),
             logger: true,
         }
@@ -165,6 +171,21 @@ impl Session {
                     logging.into(),
                     environment,
                     log,
+                )
+            },
+            (Version::Fmi3, Kind::ScheduledExecution) => unsafe {
+                let log = options.logger.then_some(log3 as _);
+                fmi3::fmi3InstantiateScheduledExecution::<Toy>(
+                    name,
+                    token,
+                    null(),
+                    0,
+                    logging.into(),
+                    environment,
+                    log,
+                    None,
+                    options.lock,
+                    options.unlock,
                 )
             },
             (Version::Fmi3, Kind::CoSimulation) => unsafe {

@@ -66,13 +66,6 @@ fn instantiation_is_refused_with_a_reason() {
         };
         Session::with(version, Kind::CoSimulation, options).assert_error(&["token"]);
     }
-    let options = Options {
-        event_mode: true,
-        ..Options::default()
-    };
-    let s = Session::with(Version::Fmi3, Kind::CoSimulation, options);
-    assert!(s.handle.is_null());
-    s.assert_error(&["fmi3InstantiateCoSimulation", "Event Mode"]);
 }
 
 #[test]

@@ -6,12 +6,14 @@
 
 mod allocation;
 mod binary;
+mod clocks;
 mod exchange;
 mod importer;
 mod legality;
 mod lifecycle;
 mod logging;
 mod properties;
+mod sensitivity;
 mod session;
 mod states;
 mod steps;

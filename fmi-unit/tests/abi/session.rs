@@ -103,6 +103,62 @@ impl Session {
         (status, early != 0, last)
     }
 
+    /// A step of an importer that uses Event Mode: whether an event is needed, whether the step ended
+    /// early, and when.
+    pub fn step_to_event(&self, t: f64, h: f64) -> (bool, bool, f64) {
+        let (mut event, mut end, mut early, mut last) = (7, 7, 7, f64::NAN);
+        let [event, end, early] = [&mut event, &mut end, &mut early];
+        let status = unsafe {
+            fmi3::fmi3DoStep::<Toy>(self.handle, t, h, 1, event, end, early, &raw mut last)
+        };
+        assert_eq!((status, *end), (OK, 0), "{:?}", self.messages);
+        (*event != 0, *early != 0, last)
+    }
+
+    pub fn enter_step_mode(&self) -> c_int {
+        unsafe { fmi3::fmi3EnterStepMode::<Toy>(self.handle) }
+    }
+
+    pub fn set_clocks(&self, clocks: &[u32], active: &[u8]) -> c_int {
+        let (n, values) = (clocks.len(), active.as_ptr());
+        unsafe { fmi3::fmi3SetClock::<Toy>(self.handle, clocks.as_ptr(), n, values) }
+    }
+
+    pub fn get_clock(&self, clock: u32) -> Result<bool, c_int> {
+        let mut active = 7;
+        match unsafe {
+            fmi3::fmi3GetClock::<Toy>(self.handle, &raw const clock, 1, &raw mut active)
+        } {
+            OK => Ok(active != 0),
+            status => Err(status),
+        }
+    }
+
+    /// Interval and shift of a clock.
+    pub fn interval(&self, clock: u32) -> Result<[f64; 2], c_int> {
+        let (clock, mut out, mut qualifier) = (&raw const clock, [f64::NAN; 2], 7);
+        let [interval, shift] = &mut out;
+        let (h, q) = (self.handle, &raw mut qualifier);
+        match unsafe { fmi3::fmi3GetIntervalDecimal::<Toy>(h, clock, 1, interval, q) } {
+            OK => assert_eq!(qualifier, 2),
+            status => return Err(status),
+        }
+        assert_eq!(
+            unsafe { fmi3::fmi3GetShiftDecimal::<Toy>(h, clock, 1, shift) },
+            OK
+        );
+        Ok(out)
+    }
+
+    pub fn set_interval(&self, clock: u32, interval: f64) -> c_int {
+        let (clock, interval) = (&raw const clock, &raw const interval);
+        unsafe { fmi3::fmi3SetIntervalDecimal::<Toy>(self.handle, clock, 1, interval) }
+    }
+
+    pub fn activate(&self, clock: u32, time: f64) -> c_int {
+        unsafe { fmi3::fmi3ActivateModelPartition::<Toy>(self.handle, clock, time) }
+    }
+
     pub fn get(&self, vr: u32) -> f64 {
         let mut value = [f64::NAN];
         assert_eq!(self.get_reals(&[vr], &mut value), OK, "{:?}", self.messages);
@@ -223,6 +279,36 @@ impl Session {
             fmi2GetContinuousStates(p, n),
             fmi3GetContinuousStates(p, n)
         )
+    }
+
+    /// `[unknowns, knowns]`.
+    pub fn directional(&self, [u, k]: [&[u32]; 2], seed: &[f64], out: &mut [f64]) -> c_int {
+        let (unknowns, knowns, p, n) = (u.as_ptr(), k.as_ptr(), seed.as_ptr(), seed.len());
+        let (result, m) = (out.as_mut_ptr(), out.len());
+        both!(
+            self,
+            fmi2GetDirectionalDerivative(unknowns, u.len(), knowns, k.len(), p, result),
+            fmi3GetDirectionalDerivative(unknowns, u.len(), knowns, k.len(), p, n, result, m)
+        )
+    }
+
+    /// `[unknowns, knowns]`; FMI 3.0 alone has it.
+    pub fn adjoint(&self, [u, k]: [&[u32]; 2], seed: &[f64], out: &mut [f64]) -> c_int {
+        let (unknowns, knowns, p, n) = (u.as_ptr(), k.as_ptr(), seed.as_ptr(), seed.len());
+        let (result, m) = (out.as_mut_ptr(), out.len());
+        unsafe {
+            fmi3::fmi3GetAdjointDerivative::<Toy>(
+                self.handle,
+                unknowns,
+                u.len(),
+                knowns,
+                k.len(),
+                p,
+                n,
+                result,
+                m,
+            )
+        }
     }
 
     pub fn get_derivatives(&self, x: &mut [f64]) -> c_int {

@@ -122,7 +122,7 @@ fn a_state_can_be_saved_in_any_mode() {
             assert_eq!(s.restore(states[3]), OK);
             match kind {
                 Kind::CoSimulation => assert_eq!(s.do_step(0.0, 0.1), OK),
-                Kind::ModelExchange => assert_eq!(s.enter_event_mode(), OK),
+                _ => assert_eq!(s.enter_event_mode(), OK),
             }
             assert_eq!(s.restore(states[0]), OK);
             assert_eq!(s.get(BIAS), 0.0);
@@ -234,7 +234,8 @@ fn inconsistent_states_are_refused() {
         (2, OK),
         (3, ERROR),
         (5, ERROR),
-        (7, ERROR),
+        (6, ERROR),
+        (8, ERROR),
     ] {
         let mut content = bytes[..bytes.len() - 8].to_vec();
         content[mode] = value;

@@ -1,10 +1,11 @@
 //! The unit under test: a lag x' = (u − x)/τ whose input is sampled by a clock, with ways to fail.
 
 use fmi_unit::{
-    Causality, Failure, Kind, Log, Model, Severity, Unit, Values, ValuesMut, Variability, Variable,
-    Variables,
+    Causality, Clock, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values, ValuesMut,
+    Variability, Variable, Variables,
 };
 use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
 use std::slice::{from_mut, from_ref};
 
 pub const TIME: u32 = 0;
@@ -20,6 +21,13 @@ pub const TAU: u32 = 21;
 pub const SEED: u32 = 22;
 pub const BIAS: u32 = 23;
 pub const TWICE: u32 = 24;
+pub const FAST: u32 = 30;
+pub const SLOW: u32 = 31;
+
+thread_local! {
+    /// What happens on this thread while the partition of `slow` works.
+    pub static WORK: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
+}
 
 /// Values of `behaviour`.
 pub const NORMAL: i64 = 1;
@@ -92,6 +100,14 @@ const fn real(name: &'static str, value_reference: u32, causality: Causality) ->
         causality,
         variability: Variability::Continuous,
         ..REAL
+    }
+}
+
+const fn clock(name: &'static str, value_reference: u32, interval: f64) -> Clock {
+    Clock {
+        name,
+        value_reference,
+        interval,
     }
 }
 
@@ -171,7 +187,12 @@ static MODEL: Model = Model {
     ],
     states: &[X],
     derivatives: &[3],
+    event_indicators: &[TWICE],
+    clocks: &[clock("fast", FAST, 0.1), clock("slow", SLOW, 1.0)],
+    event_mode: true,
+    scheduled_execution: true,
     model_exchange: true,
+    directional_derivatives: true,
     log_categories: &[
         "logStatusError",
         "logStatusWarning",
@@ -256,6 +277,7 @@ impl Drop for Toy {
 impl Unit for Toy {
     type Variables = ToyVariables;
     type State = ToyState;
+    type Job = f64;
 
     fn initial_outputs(v: &mut ToyVariables) {
         v.x = v.bias;
@@ -339,6 +361,65 @@ impl Unit for Toy {
         Ok(())
     }
 
+    /// `fast` samples every `period`, `slow` ten times less often.
+    fn clock_interval(v: &ToyVariables, clock: usize) -> f64 {
+        v.period * [1.0, 10.0][clock]
+    }
+
+    fn set_clock_interval(v: &mut ToyVariables, clock: usize, interval: f64) {
+        v.period = interval / [1.0, 10.0][clock];
+    }
+
+    /// `slow` jumps before `fast` samples.
+    fn tick(
+        &mut self,
+        v: &mut ToyVariables,
+        ticks: Ticks,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
+        if ticks.contains(1) {
+            self.state.x += self.gain[0];
+        }
+        if ticks.contains(0) {
+            self.activate(v, 0, time, log)?;
+        }
+        Ok(())
+    }
+
+    /// `fast` samples at once; `slow` looks at u, works, and sets x.
+    fn activate(
+        &mut self,
+        v: &mut ToyVariables,
+        clock: usize,
+        time: f64,
+        _: &mut Log<'_>,
+    ) -> Result<Option<f64>, Failure> {
+        if v.behaviour == FAIL_IN_EVENT {
+            return Err(Failure(format!("told to fail at {time} s")));
+        }
+        if clock == 1 {
+            return Ok(Some(v.u));
+        }
+        self.state.sampled = v.u;
+        self.state.samples += 1;
+        Ok(None)
+    }
+
+    fn work(job: &mut f64) {
+        WORK.with_borrow_mut(|work| {
+            if let Some(work) = work {
+                work();
+            }
+        });
+        *job *= 2.0;
+    }
+
+    fn complete(&mut self, _: &mut ToyVariables, job: f64, _: &mut Log<'_>) -> Result<(), Failure> {
+        self.state.x = job;
+        Ok(())
+    }
+
     fn advance(
         &mut self,
         v: &mut ToyVariables,
@@ -375,6 +456,12 @@ impl Unit for Toy {
 
     fn derivatives(&self, v: &ToyVariables, derivatives: &mut [f64]) {
         derivatives[0] = self.derivative(v.u);
+    }
+
+    fn tangent(&self, _: &ToyVariables, direction: &ToyVariables, tangent: &mut ToyVariables) {
+        tangent.x = direction.x;
+        tangent.der_x = (direction.u - direction.x) / self.tau;
+        tangent.twice = 2.0 * direction.u;
     }
 
     fn completed_step(&mut self, _: &ToyVariables, _: f64) -> bool {

@@ -28,7 +28,7 @@ Examples:
       --set feedback.inertia=0.5 --set profile.max_acceleration=20 --lower -0.4 --upper 0.4 -o out/
 
 Measurements are CSV with one row a sample, the columns named in the header: time [s], angle [rad], torque [N.m] or
-current [A], and if there are any reference [rad], feedforward_torque and feedback_torque [N.m], from which margins
+current [A] (with --torque-constant), and if there are any reference [rad], feedforward_torque and feedback_torque [N.m], from which margins
 for the planner are proposed. The paper takes 100 s at 4 kHz with a new random setpoint every 1.5 s. results.csv of
 flexarm simulate will do. Where samples are missing the measurement is cut.
 
@@ -38,9 +38,18 @@ once on feedback alone and once with the identified feedforward, to judge them. 
 flexarm simulate; the controller's model of the arm starts empty unless they say otherwise.
 The angle stays in [--lower, --upper]. Setpoints lie inside by the overshoot that the experiment before showed; where
 the arm leaves the range all the same, the experiment stops there and is repeated further inside, at most five times.
-An experiment that fails leaves what it recorded as EXPERIMENT-partial.csv in the folder of -o; Ctrl-C leaves nothing.
+An experiment that fails, or that Ctrl-C ends, leaves what it recorded as EXPERIMENT-partial.csv in the folder of -o.
 
 The folder of -o gets identified.ssv (for --parameters), identification.json (all numbers) and report.html.";
+
+/// Options that say how a measurement is read, and mean nothing to experiments.
+const OF_MEASUREMENTS: [&str; 5] = [
+    "validation",
+    "torque_constant",
+    "angle_unit",
+    "torque_timing",
+    "columns",
+];
 
 /// Options that mean nothing beside a measurement.
 const OF_EXPERIMENTS: [&str; 12] = [
@@ -66,62 +75,46 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "CSV", required_unless_present = "plant", conflicts_with_all = OF_EXPERIMENTS)]
     measurement: Option<PathBuf>,
     /// Another measurement to judge the parameters by (CSV).
-    #[arg(long, value_name = "CSV", requires = "measurement")]
+    #[arg(long, value_name = "CSV")]
     validation: Option<PathBuf>,
     /// Torque constant in N.m/A, for measurements with a current.
-    #[arg(
-        long,
-        value_name = "N.m/A",
-        requires = "measurement",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N.m/A", allow_negative_numbers = true)]
     torque_constant: Option<f64>,
     /// Unit of angle and reference in measurements.
-    #[arg(long, value_enum, default_value_t = AngleUnit::Rad, requires = "measurement")]
+    #[arg(long, value_enum, default_value_t = AngleUnit::Rad)]
     angle_unit: AngleUnit,
     /// When the torque of a row acts.
-    #[arg(long, value_enum, default_value_t = TorqueTiming::Held, requires = "measurement")]
+    #[arg(long, value_enum, default_value_t = TorqueTiming::Held)]
     torque_timing: TorqueTiming,
     /// Header of a column that is called differently: NAME=HEADER.
-    #[arg(long = "column", value_name = "NAME=HEADER", requires = "measurement", value_parser = column)]
+    #[arg(long = "column", value_name = "NAME=HEADER", value_parser = column)]
     columns: Vec<(String, String)>,
     /// FMU of a plant to make experiments on.
-    #[arg(long, value_name = "FMU", requires = "controller")]
+    #[arg(long, value_name = "FMU", requires = "controller", conflicts_with_all = OF_MEASUREMENTS)]
     plant: Option<PathBuf>,
     /// FMU of our controller, which moves the plant.
-    #[arg(long, value_name = "FMU", requires = "plant")]
+    #[arg(long, value_name = "FMU")]
     controller: Option<PathBuf>,
     /// Angle in rad that no experiment goes below, overshoot included. Default: the plant's limits.angle_lower.
-    #[arg(
-        long,
-        value_name = "RAD",
-        requires = "plant",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     lower: Option<f64>,
     /// Angle in rad that no experiment goes above, overshoot included. Default: the plant's limits.angle_upper.
-    #[arg(
-        long,
-        value_name = "RAD",
-        requires = "plant",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     upper: Option<f64>,
     /// Parameter file (SSV) for the FMUs of experiments, or for one: controller=X.ssv, plant=X.ssv. Later ones win.
-    #[arg(long, value_name = "[SIDE=]SSV", requires = "plant")]
+    #[arg(long, value_name = "[SIDE=]SSV")]
     parameters: Vec<ParameterFile>,
     /// Single value, after the files: NAME=VALUE, controller:NAME=VALUE, plant:NAME=VALUE.
-    #[arg(long = "set", value_name = "[SIDE:]NAME=VALUE", requires = "plant")]
+    #[arg(long = "set", value_name = "[SIDE:]NAME=VALUE")]
     assignments: Vec<Assignment>,
     /// Connections, factors, offsets and roles (TOML), as for flexarm simulate.
-    #[arg(long, value_name = "TOML", requires = "plant")]
+    #[arg(long, value_name = "TOML")]
     connections: Option<PathBuf>,
     /// Duration in seconds of the experiment for the parameters, and of each of those that judge them.
     #[arg(
         long,
         value_name = "SECONDS",
         default_value_t = 100.0,
-        requires = "plant",
         allow_negative_numbers = true
     )]
     duration: f64,
@@ -130,7 +123,6 @@ pub(super) struct Arguments {
         long,
         value_name = "SECONDS",
         default_value_t = 1.5,
-        requires = "plant",
         allow_negative_numbers = true
     )]
     interval: f64,
@@ -139,15 +131,14 @@ pub(super) struct Arguments {
         long,
         value_name = "SECONDS",
         default_value_t = 0.66,
-        requires = "plant",
         allow_negative_numbers = true
     )]
     validation_interval: f64,
     /// Seed of the random setpoints.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "plant")]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Communication step in seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = host::run::DEFAULT_STEP, requires = "plant", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = host::run::DEFAULT_STEP, allow_negative_numbers = true)]
     step: f64,
     /// Number of cogging harmonics, 0 to 9. Default: by cross-validation.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=9))]
@@ -243,6 +234,13 @@ fn settings(arguments: &Arguments) -> Result<Settings, Error> {
         }
         _ => None,
     };
+    if frequency_range.is_some() && arguments.harmonics == Some(0) {
+        return Err(Error::Input(input::Error::Setting {
+            name: "--harmonics".to_owned(),
+            value: "0".to_owned(),
+            expected: "at least 1 with --frequency-range: without harmonics there is no frequency to search".to_owned(),
+        }));
+    }
     let mut settings = Settings {
         order: match arguments.filtered {
             Filtered::Regressors => FilterOrder::Regressors,
@@ -305,9 +303,7 @@ fn experiments(
 
 /// Saves what was recorded before an experiment failed.
 fn keep(failed: Failed, output: Option<OutputFolder>) -> Error {
-    if let (Some(partial), Some(output)) = (failed.partial, output)
-        && !matches!(*failed.error, Error::Interrupted { .. })
-    {
+    if let (Some(partial), Some(output)) = (failed.partial, output) {
         let (experiment, signals) = *partial;
         let until = signals.time.last().copied().unwrap_or(0.0);
         let _ = match output.write_partial(experiment, &signals, &failed.error) {

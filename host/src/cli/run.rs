@@ -42,8 +42,8 @@ An experiment names two FMUs, what its runs have in common and how they differ, 
 experiments/README.md describes every key.
 
 The folder of -o gets index.html, figures/*.svg, and for each experiment a folder with experiment.json and a folder for each
-run (results.csv, summary.json). A run that fails before its time leaves *-partial.* there; the others go on. Ctrl-C leaves the
-samples of the runs that are over. experiments/identification.toml needs what `cargo xtask reproduce` identifies.";
+run (results.csv, summary.json). A run that fails before its time leaves *-partial.* there; the others go on. Ctrl-C leaves
+the samples of the runs that are over, and *-partial.* of those under way. experiments/identification.toml needs what `cargo xtask reproduce` identifies.";
 
 /// Makes the runs of experiments that files describe and compares them with what is expected.
 #[derive(Args, Debug)]
@@ -91,6 +91,8 @@ impl Watch for Watcher<'_> {
                 .iter()
                 .map(|warning| format!("warning: {name}: {warning}"))
                 .collect(),
+            // Says itself where its run is described.
+            Err(error @ Error::Input(_)) => vec![error.to_string()],
             Err(error) => vec![format!("{name}: {error}")],
         };
         self.bar.suspend(|| {

@@ -46,10 +46,11 @@ Setpoint files are CSV: header time,setpoint and optional columns named like inp
 row holds until the next one; the first is at time 0.
 
 The folder of -o gets results.csv (every communication point: about 20 MB for 20 s, see --record),
-summary.json, report.html (which shows it all) and, if an FMU logs, log.txt. A row of results.csv holds the setpoint and the plant's
-outputs at its time, and the controller's outputs after the step that begins there; enumerations are numbers,
-arrays are left out unless they are connected. A run that ends before its time leaves what it has in files
-called *-partial.*, one that does not begin leaves nothing.
+summary.json, report.html (which shows it all) and, if an FMU logs, log.txt. A row of results.csv holds the setpoint
+and the outputs of both FMUs at its time, from which on the plant gets those of the controller: where the controller
+steps first it made them of the same row, side by side of the row before. Torque and angle are a measurement for
+flexarm identify in either order. Enumerations are numbers, arrays are left out unless they are connected. A run that
+ends before its time leaves what it has in files called *-partial.*, one that does not begin leaves nothing.
 
 An SSP (System Structure and Parameterization 1.0 or 2.0) says itself who is connected, which parameters hold, how
 long it runs and with which step. Its parameter bindings are applied first, then --parameters and --set. The columns

@@ -4,8 +4,8 @@ use super::{Experiment, Figure, Quantity, Run, Signal};
 use crate::fmu::{Fmu, similar};
 use crate::input::{self, Place};
 use crate::run::recording::Column;
-use crate::{Error, Outcome, Prepared};
-use std::collections::BTreeMap;
+use crate::{Error, Outcome, Prepared, Simulation};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -43,9 +43,7 @@ pub fn execute(
             let (controller, plant) = fmus.of(named)?;
             match Prepared::new(&named.simulation, controller, plant) {
                 Ok(run) => prepared.push(run),
-                Err(Error::Input(mistake)) => {
-                    mistakes.push(mistake.of_run(&named.place, &named.name))
-                }
+                Err(Error::Input(mistake)) => mistakes.push(named.blame(mistake)),
                 Err(error) => return Err(error),
             }
         }
@@ -53,10 +51,8 @@ pub fn execute(
             mistakes.extend(unknown_columns(experiment, &prepared[first..])?);
         }
     }
-    match mistakes.len() {
-        0 => {}
-        1 => return Err(Error::Input(mistakes.remove(0))),
-        _ => return Err(Error::Input(input::Error::Several(mistakes))),
+    if let Some(mistakes) = input::Error::several(mistakes) {
+        return Err(Error::Input(mistakes));
     }
     let runs = experiments
         .iter()
@@ -84,14 +80,27 @@ struct Fmus(BTreeMap<PathBuf, Fmu>);
 impl Fmus {
     fn open(experiments: &[Experiment]) -> Result<Self, Error> {
         let mut fmus = BTreeMap::new();
+        let mut mistakes = Vec::new();
+        let mut tried = BTreeSet::new();
         for run in experiments.iter().flat_map(|e| &e.runs) {
-            for path in [&run.simulation.controller, &run.simulation.plant] {
-                if !fmus.contains_key(path) {
-                    fmus.insert(path.clone(), Fmu::open(path)?);
+            let Simulation {
+                controller, plant, ..
+            } = &run.simulation;
+            for (key, path) in [("controller", controller), ("plant", plant)] {
+                if !tried.insert(path) {
+                    continue;
+                }
+                match Fmu::open(path).map_err(|error| run.blame_fmu(key, error)) {
+                    Ok(fmu) => drop(fmus.insert(path.clone(), fmu)),
+                    Err(Error::Input(mistake)) => mistakes.push(mistake),
+                    Err(error) => return Err(error),
                 }
             }
         }
-        Ok(Self(fmus))
+        match input::Error::several(mistakes) {
+            Some(mistakes) => Err(Error::Input(mistakes)),
+            None => Ok(Self(fmus)),
+        }
     }
 
     /// Whether one of them allows one instance in a process only.
@@ -151,14 +160,14 @@ fn unknown_columns(
             }
         }
     }
-    for Figure { panels, place, .. } in &experiment.figures {
+    for Figure { panels, .. } in &experiment.figures {
         for curve in panels.iter().flat_map(|panel| &panel.curves) {
-            check(curve.run, &curve.x, place);
-            check(curve.run, &curve.y, place);
+            let [x, y] = &curve.places;
+            check(curve.run, &curve.x, x);
+            check(curve.run, &curve.y, y);
         }
     }
     mistakes.extend(unknown_statuses);
-    mistakes.dedup_by_key(|mistake| mistake.to_string());
     Ok(mistakes)
 }
 
@@ -216,7 +225,8 @@ fn make(all: &[Job<'_>], jobs: usize, watch: &dyn Watch) -> Result<Outcomes, Err
             }
             progress()
         });
-        if matches!(outcome, Err(Error::Interrupted { .. })) {
+        let outcome = outcome.map_err(|error| job.run.blame_start(error));
+        if outcome.as_ref().is_err_and(Error::is_interrupt) {
             stopped.store(true, Ordering::Relaxed);
         }
         watch.finished(job.experiment, job.run, &outcome);
@@ -244,7 +254,7 @@ fn make(all: &[Job<'_>], jobs: usize, watch: &dyn Watch) -> Result<Outcomes, Err
         });
     }
     let outcomes = all.iter().map(|job| match take(&job.outcome) {
-        Some(Err(error @ Error::Interrupted { .. })) => Err(error),
+        Some(Err(error)) if error.is_interrupt() => Err(error),
         Some(outcome) => Ok(outcome),
         // A run that the end of another kept from beginning.
         None => Err(Error::Interrupted { time: 0.0 }),

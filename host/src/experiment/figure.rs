@@ -58,6 +58,8 @@ pub struct Curve {
     pub name: String,
     /// How.
     pub style: Style,
+    /// Where `x` and `y` are given.
+    pub places: [Place; 2],
 }
 
 /// How a curve is drawn.

@@ -1,4 +1,4 @@
-//! Reads an experiment from its TOML file. Every mistake names the file and a line.
+//! Reads an experiment from its TOML file. Every mistake names file, line and key.
 
 mod rows;
 mod runs;
@@ -147,6 +147,15 @@ fn mistake(place: Place, message: impl Into<String>) -> Error {
     Error::Syntax {
         place,
         message: message.into(),
+    }
+}
+
+/// A number that cannot be meant.
+fn wrong(place: Place, value: f64, expected: &str) -> Error {
+    Error::Key {
+        place,
+        value: value.to_string(),
+        expected: expected.to_owned(),
     }
 }
 

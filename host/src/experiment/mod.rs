@@ -6,6 +6,7 @@
 //!
 //! An experiment knows no FMU: names of variables are checked against the FMUs before the first run begins.
 
+mod blame;
 pub mod execute;
 mod expect;
 mod figure;
@@ -22,6 +23,7 @@ pub use response::frequency_response;
 
 use crate::Simulation;
 use crate::input::Place;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// An experiment.
@@ -58,6 +60,8 @@ pub struct Run {
     pub folder: String,
     /// Where it is described.
     pub place: Place,
+    /// Where each of its settings and files is given, by key and by path.
+    pub keys: BTreeMap<String, Place>,
     /// What runs.
     pub simulation: Simulation,
 }

@@ -1,5 +1,6 @@
 //! Both FMUs of the experiments: where their angle stays, what they are given, and what a run of them shows.
 
+use super::checks::{NO_ANGLE, NO_TORQUE, complete, purposeless, range};
 use super::experiment::{Experiment, Failed, identification_error};
 use super::overshoot::{Kept, Overshoot};
 use super::{Kind, Made, parameter_set};
@@ -12,7 +13,7 @@ use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Setpoints};
 use crate::input::{self, Pair, Place, Side};
 use crate::run::recording::Recording;
-use crate::run::{Order, Outcome, Simulation, angle_limits, simulate_opened};
+use crate::run::{Outcome, Simulation, simulate_opened};
 use ::identification::{Identification, Measurement, Segment, Settings, Timing, identify};
 use model_description::ssv::{self, Parameter, ParameterSet, Value};
 use std::fmt::Write;
@@ -96,14 +97,7 @@ impl<'a> Bench<'a> {
             }
         }
         let wiring = Wiring::read(pair, experiment.connections.as_deref())?;
-        if !wiring.roles.contains_key(&Role::Angle) {
-            return Err(input::Error::Purposeless {
-                file: "--plant".to_owned(),
-                missing: "no signal plays the role of the angle",
-                swapped: false,
-            }
-            .into());
-        }
+        complete(&wiring)?;
         let values = StartValues::read(pair, &experiment.parameters, &experiment.assignments)?;
         let range = range(experiment, pair, &values)?;
         let folder = tempfile::Builder::new()
@@ -274,27 +268,13 @@ impl<'a> Bench<'a> {
 
     /// What a recording shows from `first` \[s\] on.
     pub(super) fn signals(&self, recording: &Recording, first: f64) -> Result<Signals, Error> {
-        let role = |role: Role, missing: &'static str| {
-            recording
-                .role(role)
-                .ok_or(Error::Input(input::Error::Purposeless {
-                    file: "--connections".to_owned(),
-                    missing,
-                    swapped: false,
-                }))
-        };
-        let mut torque = role(Role::Torque, "no signal plays the role of the torque")?;
-        if self.experiment.order == Order::SideBySide && !torque.is_empty() {
-            // The plant gets the torque of a step in the next one.
-            torque.rotate_right(1);
-            torque[0] = 0.0;
-        }
+        let role = |role: Role, missing| recording.role(role).ok_or(purposeless(missing));
         let time = recording.column(0);
         let skip = time.partition_point(|t| *t < first);
         let cut = |mut values: Vec<f64>| values.split_off(skip.min(values.len()));
         Ok(Signals {
-            angle: cut(role(Role::Angle, "no signal plays the role of the angle")?),
-            torque: cut(torque),
+            angle: cut(role(Role::Angle, NO_ANGLE)?),
+            torque: cut(role(Role::Torque, NO_TORQUE)?),
             reference: recording.role(Role::ReferenceAngle).map(cut),
             feedforward: recording.role(Role::FeedforwardTorque).map(cut),
             feedback: recording.role(Role::FeedbackTorque).map(cut),
@@ -310,7 +290,8 @@ impl<'a> Bench<'a> {
 
     /// What was made of an experiment.
     pub(super) fn made(&self, kind: Kind, kept: &Kept<Outcome>) -> Result<Made, Error> {
-        let angles = self.signals(&kept.result.recording, 0.0)?.angle;
+        let recording = &kept.result.recording;
+        let angles = self.signals(recording, 0.0)?.angle;
         let outside = angles.iter().filter(|angle| !self.range.contains(**angle));
         let fold = |start, pick: fn(f64, f64) -> f64| angles.iter().copied().fold(start, pick);
         Ok(Made {
@@ -321,7 +302,9 @@ impl<'a> Bench<'a> {
                 fold(f64::NEG_INFINITY, f64::max),
             ],
             outside: outside.count() as u64,
-            violations: kept.result.summary.score.violations.unwrap_or(0),
+            violations: recording
+                .slot(Role::Violations)
+                .and(kept.result.summary.score.violations),
             attempts: kept.attempts,
         })
     }
@@ -349,56 +332,6 @@ impl<'a> Bench<'a> {
             .map_err(|source| identification_error(name, source))?;
         Ok((identification, measurement))
     }
-}
-
-/// Where the angle stays: between what the user gives, which lies within the limits of the plant, and else these.
-fn range(
-    experiment: &Experiment,
-    pair: Pair<'_>,
-    values: &StartValues,
-) -> Result<AngleLimits, input::Error> {
-    let setting = |name: &str, value: Option<f64>, expected: String| input::Error::Setting {
-        name: name.to_owned(),
-        value: value.map_or("nothing".to_owned(), |value| value.to_string()),
-        expected,
-    };
-    let limits = match pair.plant.scalar("limits.angle_lower") {
-        Ok(_) => angle_limits(pair, values),
-        Err(_) => None,
-    };
-    let end = |name: &str, given: Option<f64>, limit: Option<f64>| {
-        let Some(value) = given.or(limit) else {
-            let expected = "an angle in rad: the plant has no limits.angle_lower and .angle_upper";
-            return Err(setting(name, None, expected.to_owned()));
-        };
-        if !value.is_finite() {
-            return Err(setting(name, given, "a finite angle in rad".to_owned()));
-        }
-        match limits {
-            Some(limits) if !limits.contains(value) => {
-                let AngleLimits { lower, upper } = limits;
-                let expected =
-                    format!("an angle in [{lower}, {upper}] rad, the limits of the plant");
-                Err(setting(name, Some(value), expected))
-            }
-            _ => Ok(value),
-        }
-    };
-    let lower = end("--lower", experiment.lower, limits.map(|l| l.lower))?;
-    let upper = end("--upper", experiment.upper, limits.map(|l| l.upper))?;
-    ordered(lower, upper)
-}
-
-/// A range from its ends \[rad\].
-pub(super) fn ordered(lower: f64, upper: f64) -> Result<AngleLimits, input::Error> {
-    if lower < upper {
-        return Ok(AngleLimits { lower, upper });
-    }
-    Err(input::Error::Setting {
-        name: "--upper".to_owned(),
-        value: upper.to_string(),
-        expected: format!("an angle in rad above --lower = {lower}"),
-    })
 }
 
 /// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).

@@ -13,7 +13,8 @@
 //! No experiment leaves the range (see `overshoot`). What the user sets of the controller's model of the arm
 //! holds in the first three.
 
-use super::bench::{Bench, Knowledge, Places, START, ordered};
+use super::bench::{Bench, Knowledge, Places, START};
+use super::checks::ordered;
 use super::overshoot::{Kept, Overshoot, keep_range};
 use super::{Identified, Kind, compare, propose};
 use crate::Error;
@@ -191,11 +192,10 @@ pub fn from_plant(
                 warnings.push(warning.clone());
             }
         }
-        if made.violations > 0 {
+        if let Some(violations @ 1..) = made.violations {
             warnings.push(format!(
-                "{}: the plant counts {} samples outside its limits, though the angle kept its range",
-                kind.name(),
-                made.violations
+                "{}: the plant counts {violations} samples outside its limits, though the angle kept its range",
+                kind.name()
             ));
         }
         experiments.push(made);

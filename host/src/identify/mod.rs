@@ -3,6 +3,7 @@
 //! The mathematics is that of the crate `identification`; here its input is made and its result described.
 
 mod bench;
+mod checks;
 pub mod experiment;
 mod overshoot;
 mod parameters;
@@ -28,6 +29,8 @@ pub struct Compared {
     pub signals: Signals,
     /// Filtered torque, measured and reconstructed (figs 4b, 5b).
     pub series: Series,
+    /// Which samples do not count, and why.
+    pub unused: Vec<String>,
 }
 
 /// An experiment on a plant.
@@ -78,8 +81,8 @@ pub struct Made {
     pub angles: [f64; 2],
     /// Samples whose angle was outside the range that was asked for.
     pub outside: u64,
-    /// Samples outside its limits that the plant counted.
-    pub violations: u64,
+    /// Samples outside its limits that the plant counted; None of one that does not count.
+    pub violations: Option<u64>,
     /// How often it was run; all runs but the last one left the range and were stopped there.
     pub attempts: u32,
 }
@@ -160,7 +163,9 @@ pub fn from_files(
     };
     let tube = propose(&validation.as_ref().unwrap_or(&first).signals);
     let mut warnings = identification.warnings.clone();
-    warnings.extend(gaps(&measured));
+    if let Some(Compared { name, unused, .. }) = &validation {
+        warnings.extend(unused.iter().map(|warning| format!("{name}: {warning}")));
+    }
     Ok(Identified {
         warnings,
         period: measured.period,
@@ -182,9 +187,18 @@ fn compare(
     signals: Signals,
 ) -> Result<Compared, ::identification::Error> {
     let regression = settings.regression(measurement)?;
+    let series = Series::new(&identification.parameters, &regression);
+    let residual = series.fit().residual;
+    if !residual.is_finite() {
+        return Err(::identification::Error::Result {
+            name: "the residual".to_owned(),
+            value: residual,
+        });
+    }
     Ok(Compared {
         name,
-        series: Series::new(&identification.parameters, &regression),
+        series,
+        unused: regression.unused(),
         signals,
     })
 }
@@ -196,15 +210,4 @@ fn propose(signals: &Signals) -> Option<Tube> {
         signals.feedforward.as_ref()?,
         signals.feedback.as_ref()?,
     )
-}
-
-fn gaps(measurement: &Measurement) -> Option<String> {
-    let count = measurement.segments.len();
-    (count > 1).then(|| {
-        format!(
-            "samples are missing in {} places: each of the {count} stretches is filtered for itself, and begins \
-             to count once the hysteresis has forgotten its start",
-            count - 1
-        )
-    })
 }

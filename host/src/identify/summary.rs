@@ -6,6 +6,15 @@ use ::identification::Fit;
 use ::identification::regression::Order;
 use serde::{Deserialize, Serialize};
 
+fn unknown() -> f64 {
+    f64::NAN
+}
+
+/// JSON has no word for it.
+fn is_unknown(value: &f64) -> bool {
+    !value.is_finite()
+}
+
 /// A parameter with its error.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 pub struct ParameterSummary {
@@ -15,7 +24,8 @@ pub struct ParameterSummary {
     pub unit: String,
     /// Value.
     pub value: f64,
-    /// Standard error.
+    /// Standard error; left out where there is none, as a warning says.
+    #[serde(default = "unknown", skip_serializing_if = "is_unknown")]
     pub sigma: f64,
     /// Root mean square of its share of the torque, its mean apart \[N·m\].
     pub torque_n_m: f64,
@@ -47,7 +57,8 @@ pub struct FitSummary {
     pub residual_max_n_m: f64,
     /// Standard deviation of the measured torque \[N·m\].
     pub torque_deviation_n_m: f64,
-    /// `residual_rms_n_m` by `torque_deviation_n_m`.
+    /// `residual_rms_n_m` by `torque_deviation_n_m`; left out where the torque does not vary, as a warning says.
+    #[serde(default = "unknown", skip_serializing_if = "is_unknown")]
     pub nrmse: f64,
     /// Root mean square of angle minus reference \[rad\]; None without a reference.
     pub tracking_rms_rad: Option<f64>,
@@ -95,8 +106,8 @@ pub struct ExperimentSummary {
     pub angles_rad: [f64; 2],
     /// Samples whose angle was outside the range that was asked for.
     pub outside: u64,
-    /// Samples outside its limits that the plant counted.
-    pub violations: u64,
+    /// Samples outside its limits that the plant counted; None of one that does not count.
+    pub violations: Option<u64>,
     /// How often it was run; all runs but the last one left the range and were stopped there.
     pub attempts: u32,
 }
@@ -173,7 +184,7 @@ impl Summary {
             };
             FitSummary::new(compared, fit)
         };
-        Self {
+        let mut summary = Self {
             parameters: found
                 .estimates
                 .iter()
@@ -219,7 +230,20 @@ impl Summary {
                 feedback_share: tube.feedback_share,
             }),
             warnings: identified.warnings.clone(),
-        }
+        };
+        let others = [&summary.validation, &summary.feedback_alone];
+        let fits = [&summary.fit]
+            .into_iter()
+            .chain(others.into_iter().flatten());
+        let still = fits.filter(|fit| is_unknown(&fit.nrmse)).map(|fit| {
+            format!(
+                "{}: no NRMSE, since the torque does not vary over the {} rows compared",
+                fit.measurement, fit.rows
+            )
+        });
+        let still: Vec<_> = still.collect();
+        summary.warnings.extend(still);
+        summary
     }
 
     /// Name, value, σ and unit of every parameter, as text.
@@ -316,5 +340,27 @@ mod tests {
         ] {
             assert_eq!(with_error(value, sigma), text.map(str::to_owned));
         }
+    }
+
+    #[test]
+    fn an_error_that_is_no_number_is_left_out() {
+        let known = ParameterSummary {
+            name: "arm.damping".to_owned(),
+            unit: "N.m.s/rad".to_owned(),
+            value: 0.5,
+            sigma: 0.25,
+            torque_n_m: 1.0,
+            identifiable: true,
+        };
+        let json = serde_json::to_value(&known).unwrap();
+        assert_eq!(json["sigma"], 0.25);
+        let unknown = ParameterSummary {
+            sigma: f64::INFINITY,
+            ..known
+        };
+        let json = serde_json::to_value(&unknown).unwrap();
+        assert_eq!(json.get("sigma"), None);
+        let read: ParameterSummary = serde_json::from_value(json).unwrap();
+        assert!(read.sigma.is_nan());
     }
 }

@@ -1,48 +1,11 @@
 //! What can be wrong with what the user gives.
 
-use super::Side;
+use super::{Place, Side};
 use model_description::Diagnostic;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io;
-use std::path::{Path, PathBuf};
-
-/// Where a mistake is: a file and perhaps a line, or an option.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// File as the user named it, or the option.
-    pub file: String,
-    /// Line, from 1.
-    pub line: Option<u64>,
-}
-
-impl Place {
-    /// A place in a file, or an option.
-    pub fn new(file: impl Into<String>, line: Option<u64>) -> Self {
-        Self {
-            file: file.into(),
-            line,
-        }
-    }
-
-    /// The place with `line` if it names none.
-    pub(crate) fn or_line(self, line: u64) -> Self {
-        Self {
-            line: self.line.or(Some(line)),
-            ..self
-        }
-    }
-
-    pub(super) fn in_file(path: &Path, line: u64) -> Self {
-        Self::new(path.display().to_string(), Some(line))
-    }
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
-        self.line.map_or(Ok(()), |line| write!(f, ":{line}"))
-    }
-}
+use std::path::PathBuf;
 
 /// A mistake in what the user gives.
 #[derive(Debug)]
@@ -54,6 +17,12 @@ pub enum Error {
     NotText { file: PathBuf },
     /// A file is not of its format.
     Syntax { place: Place, message: String },
+    /// The value of a key cannot be meant.
+    Key {
+        place: Place,
+        value: String,
+        expected: String,
+    },
     /// A parameter file is not of its format.
     ParameterFile(Vec<Diagnostic>),
     /// A name lacks the FMU it belongs to.
@@ -96,12 +65,6 @@ pub enum Error {
         place: Place,
         from: String,
         to: String,
-    },
-    /// A factor or offset is not finite, or a factor zero.
-    Factor {
-        place: Place,
-        key: &'static str,
-        value: f64,
     },
     /// No connection is possible.
     NothingToConnect {
@@ -191,14 +154,19 @@ pub enum Error {
 }
 
 impl Error {
-    /// The mistake of a run that stands at `place`, where it does not say itself which file it is about.
-    pub(crate) fn of_run(self, place: &Place, run: &str) -> Self {
-        match self {
-            Self::Setting { .. } | Self::Read { .. } | Self::NotText { .. } => Self::Syntax {
-                place: place.clone(),
-                message: format!("run {run:?}: {self}"),
-            },
-            other => other,
+    /// One mistake of several, each of them once: what runs have in common is wrong for all of them.
+    pub(crate) fn several(mistakes: Vec<Self>) -> Option<Self> {
+        let mut seen = BTreeSet::new();
+        let each = mistakes.into_iter().flat_map(|mistake| match mistake {
+            Self::Several(mistakes) => mistakes,
+            one => vec![one],
+        });
+        let mut mistakes: Vec<_> = each
+            .filter(|mistake| seen.insert(mistake.to_string()))
+            .collect();
+        match mistakes.len() {
+            0 | 1 => mistakes.pop(),
+            _ => Some(Self::Several(mistakes)),
         }
     }
 }
@@ -209,6 +177,11 @@ impl fmt::Display for Error {
             Self::Read { file, source } => write!(f, "cannot read {}: {source}", file.display()),
             Self::NotText { file } => write!(f, "{} is not text in UTF-8", file.display()),
             Self::Syntax { place, message } => write!(f, "{place}: {message}"),
+            Self::Key {
+                place,
+                value,
+                expected,
+            } => write!(f, "{place} = {value}: expected {expected}"),
             Self::ParameterFile(diagnostics) => {
                 for (i, diagnostic) in diagnostics.iter().enumerate() {
                     let separator = if i == 0 { "" } else { "\n  " };
@@ -275,12 +248,6 @@ impl fmt::Display for Error {
             }
             Self::SameFmu { place, from, to } => {
                 write!(f, "{place}: {from} and {to} belong to the same FMU")
-            }
-            Self::Factor { place, key, value } => {
-                write!(
-                    f,
-                    "{place}: {key} = {value}: must be a finite number, and a factor not 0"
-                )
             }
             Self::NothingToConnect { controller, plant } => {
                 write!(

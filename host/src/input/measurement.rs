@@ -206,8 +206,19 @@ fn factor(
     found: &[Option<usize>; COLUMNS.len()],
     options: &Options,
 ) -> Result<f64, Error> {
+    let named = |column: usize| found[column].map_or("", |p| header[p].as_str());
     if found[TORQUE].is_some() {
-        return Ok(1.0);
+        return match options.torque_constant {
+            None => Ok(1.0),
+            Some(constant) => Err(Error::Implausible {
+                place: place.clone(),
+                message: format!(
+                    "column {} is a torque, which --torque-constant = {constant} N.m/A has no use for: leave it out, or \
+                     name a current by --column current=HEADER",
+                    named(TORQUE)
+                ),
+            }),
+        };
     }
     match options.torque_constant {
         Some(constant) if constant.is_finite() && constant != 0.0 => Ok(constant),
@@ -220,7 +231,7 @@ fn factor(
             place: place.clone(),
             message: format!(
                 "column {} needs --torque-constant, in N.m/A",
-                found[CURRENT].map_or("current", |p| header[p].as_str())
+                named(CURRENT)
             ),
         }),
     }
@@ -240,11 +251,17 @@ fn plausible(path: &Path, signals: &Signals) -> Result<(), Error> {
                 [l.min(*v), h.max(*v)]
             })
     };
-    let [low, high] = range(&signals.angle);
-    if high - low > LARGEST_SPAN {
-        return refuse(format!(
-            "angle goes from {low} to {high}: more than a full turn in rad; are these degrees (--angle-unit deg)?"
-        ));
+    let angles = [
+        ("angle", Some(&signals.angle)),
+        ("reference", signals.reference.as_ref()),
+    ];
+    for (name, values) in angles {
+        let [low, high] = values.map_or([0.0; 2], |values| range(values));
+        if high - low > LARGEST_SPAN {
+            return refuse(format!(
+                "{name} goes from {low} to {high}: more than a full turn in rad; are these degrees (--angle-unit deg)?"
+            ));
+        }
     }
     let steps = signals.time.len().saturating_sub(1).max(1) as f64;
     let [first, last] = range(&signals.time);

@@ -4,10 +4,12 @@ pub mod connections;
 mod error;
 pub mod measurement;
 pub mod parameters;
+mod place;
 pub mod roles;
 pub mod setpoints;
 
-pub use error::{Error, Place};
+pub use error::Error;
+pub use place::Place;
 
 use crate::fmu::{Causality, Description, Kind, NameError, Scalar};
 use std::fmt;

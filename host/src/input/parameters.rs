@@ -117,11 +117,7 @@ impl StartValues {
                 errors.push(error);
             }
         }
-        match errors.len() {
-            0 => Ok(values),
-            1 => Err(errors.remove(0)),
-            _ => Err(Error::Several(errors)),
-        }
+        Error::several(errors).map_or(Ok(values), Err)
     }
 
     /// Values for one FMU.

@@ -196,6 +196,11 @@ fn html(identified: &Identified, summary: &Summary) -> String {
             row(&mut page, [&made.name, &value, "rad"]);
             let name = format!("{}: outside the range", made.name);
             row(&mut page, [&name, &made.outside.to_string(), "samples"]);
+            let name = format!("{}: outside its limits by the plant's count", made.name);
+            match made.violations {
+                Some(count) => row(&mut page, [&name, &count.to_string(), "samples"]),
+                None => row(&mut page, [&name, "not reported by the plant", ""]),
+            }
             let name = format!("{}: attempts", made.name);
             row(&mut page, [&name, &made.attempts.to_string(), ""]);
         }

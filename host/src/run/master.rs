@@ -155,6 +155,7 @@ impl Master {
                 for (i, instance) in instances.iter_mut().enumerate() {
                     self.write(i, instance)?;
                 }
+                self.record(k);
             }
             for (i, instance) in instances.iter_mut().enumerate() {
                 if self.clock.order == Order::Sequential {
@@ -167,14 +168,14 @@ impl Master {
                     self.read_one(i, instance)?;
                 }
             }
-            if k % self.clock.record_every == 0 {
-                self.recording.push(&self.row);
+            if self.clock.order == Order::Sequential {
+                self.record(k);
             }
             self.done = k + 1;
             observe(k, &self.row)?;
         }
         self.read(instances, |member| !member.leads)?;
-        // Who stops a run during its last step wants no result either.
+        // Who stops a run during its last step means to stop what follows, too.
         match progress(1.0) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Interrupted {
@@ -201,6 +202,12 @@ impl Master {
     /// The samples, and how long the steps of each member took together.
     pub(crate) fn finish(self) -> (Recording, Vec<Duration>) {
         (self.recording, self.times)
+    }
+
+    fn record(&mut self, k: usize) {
+        if k.is_multiple_of(self.clock.record_every) {
+            self.recording.push(&self.row);
+        }
     }
 
     fn apply_schedule(&mut self, k: usize) {

@@ -188,7 +188,7 @@ impl<'a> Prepared<'a> {
         };
         let steps = checks::steps(simulation, pair, table.as_ref())?;
         checks::setpoint_and_angle(simulation, pair, &wiring)?;
-        Ok(Self {
+        let prepared = Self {
             simulation,
             controller,
             plant,
@@ -197,7 +197,9 @@ impl<'a> Prepared<'a> {
             limits,
             table,
             steps,
-        })
+        };
+        checks::size(prepared.rows(), prepared.columns()?.len())?;
+        Ok(prepared)
     }
 
     /// Descriptions of both FMUs.
@@ -228,6 +230,11 @@ impl<'a> Prepared<'a> {
         self.steps as f64 * self.simulation.step
     }
 
+    /// Number of communication points that are recorded.
+    fn rows(&self) -> usize {
+        self.steps.div_ceil(self.simulation.record_every)
+    }
+
     /// Names of the statuses that plans can have; empty if nothing tells.
     pub fn statuses(&self) -> Vec<String> {
         let tap = self.wiring.roles.get(&Role::PlanStatus);
@@ -249,9 +256,9 @@ impl<'a> Prepared<'a> {
     /// Makes the run.
     ///
     /// # Errors
-    /// [`Error::Stopped`], with the samples until then, where it ends before its time.
+    /// [`Error::Stopped`], with the samples until then, where it ends before its time, be it that `progress` stops it.
     pub fn run(self, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Outcome, Error> {
-        let pair = self.pair();
+        let (pair, rows) = (self.pair(), self.rows());
         let Self {
             simulation,
             controller,
@@ -298,8 +305,6 @@ impl<'a> Prepared<'a> {
                 "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"
             ));
         }
-        let rows = steps.div_ceil(simulation.record_every);
-        checks::size(rows, plan.columns.len())?;
         let recording = Recording::new(plan.columns, plan.roles, rows);
         let mut scorer = Scorer::new(&recording, terms);
         // The angle and where it must stay.
@@ -334,8 +339,7 @@ impl<'a> Prepared<'a> {
         )?;
         let failure = match master.run(&mut instances, steps, &mut observe, progress) {
             Ok(()) => None,
-            // Who stops a run wants no result, and before the first step is over there is none.
-            Err(error @ Error::Interrupted { .. }) => return Err(error),
+            // Before the first step is over there is no result.
             Err(error) if master.steps_done() == 0 => return Err(error),
             Err(error) => Some(error),
         };

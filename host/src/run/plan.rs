@@ -3,7 +3,7 @@
 use super::Simulation;
 use super::master::{Feed, Inputs, Member, Outputs};
 use super::recording::{Column, Slot};
-use crate::fmu::{Causality, Kind, Scalar, Signals};
+use crate::fmu::{Causality, Kind, Scalar, Signals, short};
 use crate::input::connections::{Source, Tap, Wiring};
 use crate::input::roles::Role;
 use crate::input::setpoints::Table;
@@ -105,7 +105,8 @@ impl Plan {
             && end >= until
         {
             warnings.push(format!(
-                "setpoints go on to {end} s, but the run ends at {until} s"
+                "setpoints go on to {} s, but the run ends at {until} s",
+                short(end)
             ));
         }
         let roles = wiring

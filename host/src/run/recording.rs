@@ -52,8 +52,9 @@ impl Slot {
     }
 }
 
-/// Samples of a run. Row k holds the setpoint and the plant's outputs at the communication point, and what
-/// the controller made of them in the step that begins there.
+/// Samples of a run. Row k holds the setpoint and the outputs of both FMUs at communication point k, from which on
+/// the plant gets those of the controller. Where the controller steps first it made them of the same row; side by
+/// side of the one before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     columns: Vec<Column>,

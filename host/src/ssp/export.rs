@@ -86,7 +86,7 @@ impl Export {
                 _ => run.folder.clone(),
             };
             let of_run = |error| match error {
-                Error::Input(error) => Error::Input(error.of_run(&run.place, &run.name)),
+                Error::Input(mistake) => Error::Input(run.blame(mistake)),
                 other => other,
             };
             let structure = self

@@ -11,11 +11,15 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
     let known = |v: &Variable| {
         is_state(v) || matches!(v.causality, Causality::Input | Causality::Independent)
     };
+    let indicates = |v: &Variable| {
+        let mut entries = d.event_indicators.iter();
+        entries.any(|e| e.value_reference == v.value_reference)
+    };
     let known_initially = |v: &Variable| {
         matches!(v.causality, Causality::Input | Causality::Independent)
             || v.initial == Some(Initial::Exact)
     };
-    let sections = [
+    let sections: [Section; 4] = [
         Section {
             name: "Output",
             what: "an output",
@@ -46,6 +50,17 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
             },
             knowns: "an input, the independent variable or a variable with initial exact",
             known: &known_initially,
+        },
+        Section {
+            name: "EventIndicator",
+            what: "continuous",
+            entries: &d.event_indicators,
+            // Any continuous variable may be one, none has to.
+            belongs: &|v| {
+                v.variability == Variability::Continuous && v.dimension.is_none() && indicates(v)
+            },
+            knowns: "an input, a continuous state or the independent variable",
+            known: &known,
         },
     ];
     for section in &sections {

@@ -1,12 +1,14 @@
 //! Rules for units, types and variables.
 
 use crate::names::{group_type, is_camel_case, is_snake_case, path};
-use crate::tree::{Causality, Initial, Kind, ModelDescription, Unit, Value, Variability, Variable};
+use crate::tree::{
+    Causality, Initial, Interface, Kind, ModelDescription, Unit, Value, Variability, Variable,
+};
 use crate::xml::{Reader, f64_text};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
-    for interface in d.model_exchange.iter().chain(&d.co_simulation) {
+    for interface in d.interfaces() {
         if interface.model_identifier != d.name {
             let identifier = &interface.model_identifier;
             let name = &d.name;
@@ -19,6 +21,8 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
     if d.model_exchange.is_none() && d.co_simulation.is_none() {
         r.report(1, "neither `ModelExchange` nor `CoSimulation` is offered");
     }
+    clocks(d, r);
+    derivatives(d, r);
     experiment(d, r);
     unique(r, "unit", d.units.iter().map(|u| (&*u.name, u.line)));
     let categories = d.log_categories.iter().map(|c| (&*c.name, c.line));
@@ -42,6 +46,55 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
                 format_args!("variable {}: {message}", variable.name),
             );
         }
+    }
+}
+
+/// Clocks come after all variables, so that neither owns a value reference of the other.
+fn clocks(d: &ModelDescription, r: &mut Reader) {
+    let variables = d.variables.iter().map(|v| (&*v.name, v.line));
+    let names = variables.chain(d.clocks.iter().map(|c| (&*c.name, c.line)));
+    unique(
+        r,
+        "clock or variable",
+        names.filter(|_| !d.clocks.is_empty()),
+    );
+    let mut last = d
+        .variables
+        .iter()
+        .map(|v| v.value_reference + (v.length() - 1))
+        .max();
+    for clock in &d.clocks {
+        let (name, reference) = (&clock.name, clock.value_reference);
+        if last.is_some_and(|last| reference <= last) {
+            let message = format!(
+                "clock {name}: value reference {reference} must be greater than those of all variables and \
+                 of the clocks before"
+            );
+            r.report(clock.line, message);
+        }
+        last = Some(reference);
+    }
+    if let Some(interface) = &d.scheduled_execution
+        && d.clocks.is_empty()
+    {
+        r.report(interface.line, "`ScheduledExecution` needs a clock");
+    }
+}
+
+/// A unit has both kinds of derivatives in every interface, or none.
+fn derivatives(d: &ModelDescription, r: &mut Reader) {
+    let flags = |i: &Interface| {
+        [
+            i.provides_directional_derivatives,
+            i.provides_adjoint_derivatives,
+        ]
+    };
+    let declared: Vec<_> = d.interfaces().flat_map(flags).collect();
+    if let Some(last) = d.interfaces().last()
+        && declared.iter().any(|flag| *flag != declared[0])
+    {
+        let message = "providesDirectionalDerivatives and providesAdjointDerivatives must be the same everywhere";
+        r.report(last.line, message);
     }
 }
 

@@ -270,3 +270,12 @@ fn the_contracts_are_valid() {
         }
     }
 }
+
+#[test]
+fn derivatives_are_the_same_in_every_interface() {
+    only(
+        "<CoSimulation ",
+        "<CoSimulation providesDirectionalDerivatives=\"true\" ",
+        "t.xml:4: providesDirectionalDerivatives and providesAdjointDerivatives must be the same everywhere",
+    );
+}

@@ -2,7 +2,7 @@
 
 use super::super::lines::Lines;
 use super::super::{Curve, Expectation, Figure, FigureKind, Panel, Run, Signal, folder_name};
-use super::{ExpectationEntry, FigureEntry, mistake};
+use super::{ExpectationEntry, FigureEntry, mistake, wrong};
 use crate::input::{Error, Place};
 use crate::output::PANELS;
 
@@ -36,9 +36,11 @@ pub(super) fn expectation(
         ("paper_tolerance", entry.paper_tolerance),
     ];
     for (key, tolerance) in limits {
-        if tolerance.is_some_and(|t| !(t.is_finite() && t >= 0.0)) {
-            let message = format!("{key} must be a relative deviation, 0 or more");
-            return Err(mistake(place(key), message));
+        if let Some(tolerance) = tolerance
+            && !(tolerance.is_finite() && tolerance >= 0.0)
+        {
+            let expected = "a relative deviation, 0 or more";
+            return Err(wrong(place(key), tolerance, expected));
         }
     }
     let numbers = [
@@ -48,33 +50,41 @@ pub(super) fn expectation(
         ("at_most", entry.at_most),
     ];
     for (key, value) in numbers {
-        if value.is_some_and(|value| !value.is_finite()) {
-            return Err(mistake(
-                place(key),
-                format!("{key} must be a finite number"),
-            ));
+        if let Some(value) = value.filter(|value| !value.is_finite()) {
+            return Err(wrong(place(key), value, "a finite number"));
         }
     }
-    if !entry.factor.is_finite() || entry.factor == 0.0 {
-        return Err(mistake(
-            place("factor"),
-            "factor must be a finite number and not 0",
-        ));
+    factor(entry.factor, || place("factor"))?;
+    if let (Some(least), Some(most)) = (entry.at_least, entry.at_most)
+        && least > most
+    {
+        let expected = format!("at least at_least = {least}");
+        return Err(wrong(place("at_most"), most, &expected));
     }
     if entry.tolerance.is_some() && entry.paper.is_none() && entry.reference.is_none() {
-        let message = "a tolerance needs the figure that it is about: reference or paper";
+        let message = "needs the figure that it is about: reference or paper";
         return Err(mistake(place("tolerance"), message));
     }
     if entry.paper_tolerance.is_some() && entry.paper.is_none() {
-        let message = "paper_tolerance needs the figure paper";
+        let message = "needs the figure that it is about: paper";
         return Err(mistake(place("paper_tolerance"), message));
     }
-    if entry.of.as_ref().is_some_and(Vec::is_empty) {
-        return Err(mistake(place("of"), "of names no run"));
+    let about = entry.reference.or(entry.paper);
+    let relative = [("tolerance", about), ("paper_tolerance", entry.paper)];
+    for ((key, tolerance), (_, figure)) in limits.into_iter().zip(relative) {
+        if tolerance.is_some() && figure == Some(0.0) {
+            let message =
+                "nothing but 0 deviates from 0 by a share of it: use at_least and at_most";
+            return Err(mistake(place(key), message));
+        }
     }
-    let of = entry.of.clone().unwrap_or_else(|| vec![entry.name.clone()]);
+    let of = match &entry.of {
+        Some(of) if of.is_empty() => return Err(mistake(place("of"), "names no run")),
+        Some(of) => positions("of", of)?,
+        None => positions("name", std::slice::from_ref(&entry.name))?,
+    };
     Ok(Expectation {
-        of: positions("of", &of)?,
+        of,
         over: positions("over", &entry.over)?,
         quantity: quantity.map_err(|message| mistake(place("quantity"), message))?,
         name: entry.name.clone(),
@@ -93,6 +103,13 @@ pub(super) fn expectation(
     })
 }
 
+fn factor(factor: f64, place: impl FnOnce() -> Place) -> Result<(), Error> {
+    if factor.is_finite() && factor != 0.0 {
+        return Ok(());
+    }
+    Err(wrong(place(), factor, "a finite number that is not 0"))
+}
+
 pub(super) fn figure(
     entry: &FigureEntry,
     lines: &Lines<'_>,
@@ -107,22 +124,21 @@ pub(super) fn figure(
     }
     let at = |key: &str| lines.place(&["figure", &index, key]);
     for (key, value) in [("from", entry.from), ("until", entry.until)] {
-        if value.is_some_and(|value| !value.is_finite()) {
-            return Err(mistake(at(key), format!("{key} must be a finite number")));
+        if let Some(value) = value.filter(|value| !value.is_finite()) {
+            return Err(wrong(at(key), value, "a finite number"));
         }
         let response = entry.kind == FigureKind::FrequencyResponse;
         if let (Some(value), true) = (value, response)
             && value <= 0.0
         {
-            let message = format!("{key} = {value}: a frequency in Hz must be positive");
-            return Err(mistake(at(key), message));
+            return Err(wrong(at(key), value, "a positive frequency in Hz"));
         }
     }
     if let (Some(from), Some(until)) = (entry.from, entry.until)
         && from >= until
     {
-        let message = format!("until = {until} must come after from = {from}");
-        return Err(mistake(at("until"), message));
+        let expected = format!("more than from = {from}");
+        return Err(wrong(at("until"), until, &expected));
     }
     // A frequency response has a second panel for the phase.
     let most = match entry.kind {
@@ -133,19 +149,22 @@ pub(super) fn figure(
         let message = format!("a figure like this has 1 to {most} panels");
         return Err(mistake(place, message));
     }
-    if entry.panel.iter().any(|panel| panel.curves.is_empty()) {
-        return Err(mistake(place, "a panel needs at least one curve"));
-    }
     let mut panels = Vec::new();
     for (i, panel) in entry.panel.iter().enumerate() {
         let mut curves = Vec::new();
+        if panel.curves.is_empty() {
+            let place = lines.place(&["figure", &index, "panel", &i.to_string(), "curves"]);
+            return Err(mistake(place, "a panel needs at least one curve"));
+        }
         for (j, curve) in panel.curves.iter().enumerate() {
             let [i, j] = [i.to_string(), j.to_string()];
-            let keys = ["figure", &index, "panel", &i, "curves", &j];
+            let at = |key| lines.place(&["figure", &index, "panel", &i, "curves", &j, key]);
+            factor(curve.factor, || at("factor"))?;
             let Ok(y) = curve.y.parse::<Signal>();
             let Ok(x) = curve.x.as_deref().unwrap_or("time").parse::<Signal>();
             curves.push(Curve {
-                run: position(&curve.run, runs, lines.place(&keys))?,
+                run: position(&curve.run, runs, at("run"))?,
+                places: [at("x"), at("y")],
                 y,
                 x,
                 factor: curve.factor,

@@ -2,11 +2,12 @@
 
 use super::super::lines::Lines;
 use super::super::{Run, folder_name};
-use super::{Entry, File, Schedule, Sequence, mistake};
+use super::{Entry, File, Schedule, Sequence, mistake, wrong};
 use crate::Simulation;
 use crate::input::parameters::{Assignment, ParameterFile};
 use crate::input::setpoints::Setpoints;
 use crate::input::{Error, Place};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// One layer of a run's description with the keys that lead to it.
@@ -57,13 +58,20 @@ pub(super) fn runs(file: &File, lines: &Lines<'_>, folder: &Path) -> Result<Vec<
             let mut names = Vec::new();
             for layer in named.into_iter().flatten() {
                 let missing = || mistake(layer.place(lines, &[]), "missing field `name`");
-                names.push(layer.entry.name.clone().ok_or_else(missing)?);
+                let name = layer.entry.name.clone().ok_or_else(missing)?;
+                if folder_name(&name).is_empty() {
+                    let message = format!("{name:?} names no folder: it needs letters or digits");
+                    return Err(mistake(layer.place(lines, &["name"]), message));
+                }
+                names.push(name);
             }
             let name = names.join(", ");
+            let (simulation, keys) = simulation(&layers, lines, folder)?;
             runs.push(Run {
                 folder: folder_name(&name),
-                simulation: simulation(&layers, lines, folder)?,
-                place: run.place(lines, &["name"]),
+                simulation,
+                place: run.place(lines, &["name"]).at_key(format!("run {name:?}")),
+                keys,
                 name,
             });
         }
@@ -71,11 +79,12 @@ pub(super) fn runs(file: &File, lines: &Lines<'_>, folder: &Path) -> Result<Vec<
     Ok(runs)
 }
 
+/// What runs, and where each setting and file of it is given.
 fn simulation(
     layers: &[&Layer<'_>],
     lines: &Lines<'_>,
     folder: &Path,
-) -> Result<Simulation, Error> {
+) -> Result<(Simulation, BTreeMap<String, Place>), Error> {
     let last = |value: &dyn Fn(&Entry) -> Option<String>| {
         layers.iter().rev().find_map(|layer| value(layer.entry))
     };
@@ -116,7 +125,41 @@ fn simulation(
         simulation.order = entry.order.unwrap_or(simulation.order);
         simulation.record_every = entry.record.unwrap_or(simulation.record_every);
     }
-    Ok(simulation)
+    Ok((simulation, keys(layers, lines, folder)))
+}
+
+/// Where settings and files are given: by key, and by path those whose mistakes name the path.
+fn keys(layers: &[&Layer<'_>], lines: &Lines<'_>, folder: &Path) -> BTreeMap<String, Place> {
+    let mut keys = BTreeMap::new();
+    for layer in layers {
+        let entry = layer.entry;
+        for (key, given) in [
+            ("controller", entry.controller.is_some()),
+            ("plant", entry.plant.is_some()),
+            ("until", entry.until.is_some()),
+            ("step", entry.step.is_some()),
+            ("record", entry.record.is_some()),
+        ] {
+            if given {
+                keys.insert(key.to_owned(), layer.place(lines, &[key]));
+            }
+        }
+        let mut file = |path: &Path, key: &[&str]| {
+            let path = folder.join(path).display().to_string();
+            keys.insert(path, layer.place(lines, key));
+        };
+        for (key, path) in [
+            ("connections", &entry.connections),
+            ("setpoints", &entry.setpoints),
+        ] {
+            path.iter().for_each(|path| file(Path::new(path), &[key]));
+        }
+        for (i, parameters) in entry.parameters.iter().enumerate() {
+            let Ok(parameters) = parameters.parse::<ParameterFile>();
+            file(&parameters.path, &["parameters", &i.to_string()]);
+        }
+    }
+    keys
 }
 
 /// Values by name; dotted names may be nested tables, and a list sets the first elements of an array.
@@ -131,7 +174,9 @@ fn assignments<'a>(
     for (key, value) in table {
         let name = format!("{prefix}{key}");
         keys.push(key);
-        let place = layer.place(lines, keys);
+        // The message goes on with the variable.
+        let table = layer.keys.first().map_or("", String::as_str);
+        let place = layer.place(lines, keys).at_key(format!("{table}.set"));
         let mut give = |name: &str, value: &toml::Value| -> Result<(), Error> {
             let value = match value {
                 toml::Value::String(text) => text.clone(),
@@ -196,10 +241,7 @@ fn setpoints(
     };
     if !(every.is_finite() && *every > 0.0) {
         let place = layer.place(lines, &["sequence", "every"]);
-        return Err(mistake(
-            place,
-            format!("every = {every}: expected a positive time in s"),
-        ));
+        return Err(wrong(place, *every, "a positive time in s"));
     }
     let row = |(i, setpoint): (usize, &f64)| {
         let place = layer.place(lines, &["sequence", "setpoints", &i.to_string()]);

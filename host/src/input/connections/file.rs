@@ -22,10 +22,8 @@ struct File {
 struct ConnectionEntry {
     from: Spanned<String>,
     to: Spanned<String>,
-    #[serde(default = "one")]
-    factor: f64,
-    #[serde(default)]
-    offset: f64,
+    factor: Option<Spanned<f64>>,
+    offset: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -33,37 +31,25 @@ struct ConnectionEntry {
 struct RoleEntry {
     name: Spanned<Role>,
     from: Spanned<String>,
-    #[serde(default = "one")]
-    factor: f64,
-    #[serde(default)]
-    offset: f64,
-}
-
-fn one() -> f64 {
-    1.0
+    factor: Option<Spanned<f64>>,
+    offset: Option<Spanned<f64>>,
 }
 
 impl Wiring {
     pub(super) fn add_file(&mut self, pair: Pair<'_>, path: &Path) -> Result<(), Error> {
         let text = read_text(path)?;
-        let place = |offset: usize| {
+        let line = |offset: usize| {
             let lines = text[..offset.min(text.len())].matches('\n').count();
             Place::in_file(path, lines as u64 + 1)
         };
         let file: File = toml::from_str(&text).map_err(|error| Error::Syntax {
-            place: place(error.span().map_or(0, |span| span.start)),
+            place: line(error.span().map_or(0, |span| span.start)),
             message: error.message().to_owned(),
         })?;
         for entry in &file.connection {
-            let from = place(entry.from.span().start);
-            let to = place(entry.to.span().start);
-            let tap = tap(
-                pair,
-                &from,
-                entry.from.get_ref(),
-                entry.factor,
-                entry.offset,
-            )?;
+            let place = |offset: usize, key: &str| line(offset).at_key(format!("connection.{key}"));
+            let tap = tap(pair, &place, &entry.from, &entry.factor, &entry.offset)?;
+            let to = place(entry.to.span().start, "to");
             let (side, input) = pair.resolve(&to, entry.to.get_ref(), &[Causality::Input])?;
             if matches!(tap.source, Source::Output(of, _) if of == side) {
                 return Err(Error::SameFmu {
@@ -81,17 +67,11 @@ impl Wiring {
             self.connections.push(Connection { tap, side, input });
         }
         for entry in &file.role {
-            let from = place(entry.from.span().start);
-            let tap = tap(
-                pair,
-                &from,
-                entry.from.get_ref(),
-                entry.factor,
-                entry.offset,
-            )?;
+            let place = |offset: usize, key: &str| line(offset).at_key(format!("role.{key}"));
+            let tap = tap(pair, &place, &entry.from, &entry.factor, &entry.offset)?;
             if self.roles.insert(*entry.name.get_ref(), tap).is_some() {
                 return Err(Error::TwoSources {
-                    place: place(entry.name.span().start),
+                    place: place(entry.name.span().start, "name"),
                     name: format!("the role of {}", entry.from.get_ref()),
                 });
             }
@@ -100,28 +80,40 @@ impl Wiring {
     }
 }
 
-fn tap(pair: Pair<'_>, place: &Place, name: &str, factor: f64, offset: f64) -> Result<Tap, Error> {
-    let wrong = |key, value| Error::Factor {
-        place: place.clone(),
-        key,
-        value,
+/// `place` says where a key of the entry is, by its offset.
+fn tap(
+    pair: Pair<'_>,
+    place: &dyn Fn(usize, &str) -> Place,
+    from: &Spanned<String>,
+    factor: &Option<Spanned<f64>>,
+    offset: &Option<Spanned<f64>>,
+) -> Result<Tap, Error> {
+    let number = |given: &Option<Spanned<f64>>, key, default, nonzero: bool| {
+        let Some(given) = given else {
+            return Ok(default);
+        };
+        let value = *given.get_ref();
+        if value.is_finite() && !(nonzero && value == 0.0) {
+            return Ok(value);
+        }
+        let besides = if nonzero { " that is not 0" } else { "" };
+        Err(Error::Key {
+            place: place(given.span().start, key),
+            value: value.to_string(),
+            expected: format!("a finite number{besides}"),
+        })
     };
-    if !factor.is_finite() || factor == 0.0 {
-        return Err(wrong("factor", factor));
-    }
-    if !offset.is_finite() {
-        return Err(wrong("offset", offset));
-    }
-    let source = if name == "setpoint" {
+    let source = if from.get_ref() == "setpoint" {
         Source::Setpoint
     } else {
-        let (side, scalar) = pair.resolve(place, name, SOURCES)?;
+        let place = place(from.span().start, "from");
+        let (side, scalar) = pair.resolve(&place, from.get_ref(), SOURCES)?;
         Source::Output(side, scalar)
     };
     Ok(Tap {
         source,
-        factor,
-        offset,
+        factor: number(factor, "factor", 1.0, true)?,
+        offset: number(offset, "offset", 0.0, false)?,
     })
 }
 
@@ -162,27 +154,27 @@ mod tests {
             ),
             (
                 connection("plant.angel", "controller.angle", ""),
-                "M.toml:2: plant has no variable angel, did you mean angle?",
+                "M.toml:2: connection.from: plant has no variable angel, did you mean angle?",
             ),
             (
                 connection("plant.angle", "controller.torque", ""),
-                "M.toml:3: controller.torque is an output; possible here: angle, setpoint",
+                "M.toml:3: connection.to: controller.torque is an output; possible here: angle, setpoint",
             ),
             (
                 connection("angle", "controller.angle", ""),
-                "M.toml:2: \"angle\" must say whose it is",
+                "M.toml:2: connection.from: \"angle\" must say whose it is",
             ),
             (
                 connection("plant.angle", "plant.torque", ""),
-                "M.toml:3: plant.angle and plant.torque belong to the same FMU",
+                "M.toml:3: connection.to: plant.angle and plant.torque belong to the same FMU",
             ),
             (
                 connection("plant.angle", "controller.angle", "factor = 0.0"),
-                "M.toml:2: factor = 0: must be a finite number",
+                "M.toml:4: connection.factor = 0: expected a finite number that is not 0",
             ),
             (
                 good.clone() + &good,
-                "M.toml:7: controller.angle already has a source",
+                "M.toml:7: connection.to: controller.angle already has a source",
             ),
             (
                 "[[role]]\nname = \"angel\"\nfrom = \"plant.angle\"".to_owned(),

@@ -1,0 +1,90 @@
+//! Which compiler builds for a platform: one that has, or can build, its standard library.
+
+use super::debian;
+use crate::workspace::Workspace;
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::fmt::{self, Display};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Sources of the standard library, below the folder of a compiler.
+pub const LIBRARY_SOURCE: &str = "lib/rustlib/src/rust/library";
+
+/// A compiler and how it comes by the standard library of a platform.
+pub enum Compiler {
+    /// That of the user has it, for this target.
+    Own,
+    /// That of the user has its sources.
+    OwnFromSource,
+    /// Debian's, unpacked in this folder, has its sources.
+    Debian(PathBuf),
+}
+
+impl Compiler {
+    /// The first that can build for `triple`; fetches Debian's if need be.
+    pub fn find(workspace: &Workspace, triple: &str) -> Result<Self, String> {
+        let own = sysroot(workspace)?;
+        if own.join("lib/rustlib").join(triple).join("lib").is_dir() {
+            Ok(Self::Own)
+        } else if own.join(LIBRARY_SOURCE).is_dir() {
+            Ok(Self::OwnFromSource)
+        } else {
+            debian::fetch(workspace).map(Self::Debian).map_err(|e| {
+                format!(
+                    "your compiler has neither the standard library for {triple} nor its sources: \
+                     run `rustup component add rust-src`.\nNor is Debian's compiler to be had: {e}"
+                )
+            })
+        }
+    }
+
+    /// Makes cargo use it. `flags` are those of the compiler, separated by U+001F.
+    pub fn set_up(&self, cargo: &mut Command, flags: &mut OsString) {
+        if let Self::Debian(folder) = self {
+            cargo.env("RUSTC", folder.join("usr/bin/rustc"));
+            let mut libraries = vec![folder.join("usr/lib/x86_64-linux-gnu")];
+            libraries.extend(
+                env::var_os("LD_LIBRARY_PATH")
+                    .iter()
+                    .flat_map(env::split_paths),
+            );
+            // Fails for a path with a colon only, which the loader could not be told either.
+            let path = env::join_paths(libraries).unwrap_or_default();
+            cargo.env("LD_LIBRARY_PATH", path);
+        }
+        if !matches!(self, Self::Own) {
+            // Building the standard library is not stable; this is what makes it possible at all.
+            cargo.env("RUSTC_BOOTSTRAP", "1");
+            cargo.arg("-Zbuild-std=std,panic_unwind");
+            // Without, a DLL holds and imports for all of the library, whether used or not.
+            flags.push("\x1f-Zfunction-sections=yes");
+        }
+    }
+}
+
+impl Display for Compiler {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Own => "your compiler",
+            Self::OwnFromSource => "your compiler, with the standard library from its source",
+            Self::Debian(_) => "Debian's compiler, with the standard library from its source",
+        })
+    }
+}
+
+/// Where the user's compiler keeps its libraries.
+fn sysroot(workspace: &Workspace) -> Result<PathBuf, String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = workspace
+        .command(&rustc)
+        .args(["--print", "sysroot"])
+        .output()
+        .map_err(|e| format!("{}: {e}", Path::new(&rustc).display()))?;
+    let line = String::from_utf8_lossy(&output.stdout);
+    if output.status.success() {
+        Ok(PathBuf::from(OsStr::new(line.trim())))
+    } else {
+        Err(format!("{} --print sysroot failed", rustc.display()))
+    }
+}
