@@ -334,7 +334,7 @@ fn what_is_wrong_is_said_with_file_line_and_element() {
     for (more, message) in [
         (
             &["--set", "gian=1"][..],
-            "--set: the system has nothing called gian to be set, did you mean a.gain?",
+            "--set: the system has nothing called gian to be set, did you mean gain?",
         ),
         (
             &["--variant", "x"],

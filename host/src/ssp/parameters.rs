@@ -304,7 +304,7 @@ impl Reader<'_> {
         let connectors = wiring.tree.connectors.keys().cloned();
         let variables = wiring.parts.iter().flat_map(|part| {
             let settable = part.description().variables.iter().filter(|v| v.settable);
-            settable.map(|v| format!("{}.{}", part.path, v.name))
+            settable.flat_map(|v| [v.name.clone(), format!("{}.{}", part.path, v.name)])
         });
         let names: Vec<String> = connectors.chain(variables).collect();
         let similar = similar(&given.name, names.iter().map(String::as_str));
