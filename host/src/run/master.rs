@@ -68,6 +68,9 @@ pub(crate) struct Clock {
     pub(crate) record_every: usize,
 }
 
+/// Is shown every row with the number of its step, and may end the run.
+pub(crate) type Observe<'a> = &'a mut dyn FnMut(usize, &[f64]) -> Result<(), Error>;
+
 /// Position in a row of the first value that comes from outside.
 const OUTSIDE: usize = 1;
 
@@ -132,12 +135,12 @@ impl Master {
         self.read(instances, |member| member.leads)
     }
 
-    /// Makes all steps. `observe` is shown every row with the number of its step.
+    /// Makes all steps.
     pub(crate) fn run(
         &mut self,
         instances: &mut [Instance],
         steps: usize,
-        observe: &mut dyn FnMut(usize, &[f64]) -> Result<(), Error>,
+        observe: Observe<'_>,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         for k in 0..steps {

@@ -101,9 +101,7 @@ pub(super) fn binding<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Bind
             "ParameterMapping" => {
                 let content = child.children().find(Node::is_element);
                 mapping = source(r, child, content.map(mapping_in));
-                if mapping.is_none() {
-                    return None;
-                }
+                mapping.as_ref()?;
             }
             _ => {}
         }

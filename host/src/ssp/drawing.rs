@@ -41,6 +41,9 @@ pub(super) struct Drawing<'a> {
     pub start: Option<String>,
 }
 
+/// What an input of the system drives: an input of a component, scaled.
+pub(super) type Driven = (Side, Scalar, Tap);
+
 /// A connection as it is drawn.
 pub(super) struct Line {
     /// Element and connector; none for the system itself.
@@ -86,7 +89,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// Inputs of the system: their names and what they drive. The setpoint may drive several.
-    pub fn outside(&self) -> Vec<(String, Vec<(Side, Scalar, Tap)>)> {
+    pub fn outside(&self) -> Vec<(String, Vec<Driven>)> {
         let connections = &self.prepared.wiring().connections;
         let setpoint = connections
             .iter()

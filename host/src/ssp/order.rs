@@ -145,14 +145,14 @@ fn dependencies(part: &Part) -> Option<Dependencies> {
         .children()
         .find(|c| c.has_tag_name("ModelStructure"))?;
     let description = part.description();
-    let position: Box<dyn Fn(&str) -> Option<usize>> = match description.version {
+    let position = |text: &str| match description.version {
         // Positions count from 1.
-        Version::V2 => Box::new(|text| text.parse::<usize>().ok()?.checked_sub(1)),
-        Version::V3 => Box::new(|text| {
+        Version::V2 => text.parse::<usize>().ok()?.checked_sub(1),
+        Version::V3 => {
             let reference: u32 = text.parse().ok()?;
             let variables = &description.variables;
             variables.iter().position(|v| v.reference == reference)
-        }),
+        }
     };
     let unknowns: Vec<Node<'_, '_>> = match description.version {
         Version::V2 => {
@@ -169,10 +169,10 @@ fn dependencies(part: &Part) -> Option<Dependencies> {
         let which = unknown
             .attribute("index")
             .or(unknown.attribute("valueReference"));
-        if let Some(output) = which.and_then(&position) {
+        if let Some(output) = which.and_then(position) {
             let inputs = unknown.attribute("dependencies").map(|list| {
                 let names = list.split_ascii_whitespace();
-                names.filter_map(&position).collect()
+                names.filter_map(position).collect()
             });
             found.insert(output, inputs);
         }

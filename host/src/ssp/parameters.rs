@@ -178,11 +178,11 @@ impl Reader<'_> {
     /// Gives a value to all that its name means; whether there are any.
     fn apply(&mut self, target: Target<'_>, name: &str, given: &Given) -> Result<bool, Error> {
         match target {
-            Target::Part(part) => self.to_part(part, name, given),
+            Target::Part(part) => self.give_part(part, name, given),
             Target::System(tree) => {
                 let mut applied = false;
                 if let Some(&point) = tree.connectors.get(name) {
-                    self.to_connector(point, given)?;
+                    self.give_connector(point, given)?;
                     applied = true;
                 }
                 for (child, branch) in &tree.children {
@@ -200,7 +200,7 @@ impl Reader<'_> {
         }
     }
 
-    fn to_part(&mut self, part: usize, name: &str, given: &Given) -> Result<bool, Error> {
+    fn give_part(&mut self, part: usize, name: &str, given: &Given) -> Result<bool, Error> {
         let of = &self.wiring.parts[part];
         let description = of.description();
         let title = format!("{}.{name}", of.path);
@@ -233,7 +233,7 @@ impl Reader<'_> {
         Ok(true)
     }
 
-    fn to_connector(&mut self, point: usize, given: &Given) -> Result<(), Error> {
+    fn give_connector(&mut self, point: usize, given: &Given) -> Result<(), Error> {
         let of = &self.wiring.points[point];
         let text = given.text_in(of.unit.as_ref(), &of.path)?;
         let number = match (text.trim(), &of.signal) {
@@ -296,7 +296,7 @@ impl Reader<'_> {
         }
         let mut applied = false;
         for part in 0..wiring.parts.len() {
-            applied |= self.to_part(part, &given.name, given)?;
+            applied |= self.give_part(part, &given.name, given)?;
         }
         if applied {
             return Ok(());
@@ -304,7 +304,7 @@ impl Reader<'_> {
         let connectors = wiring.tree.connectors.keys().cloned();
         let variables = wiring.parts.iter().flat_map(|part| {
             let settable = part.description().variables.iter().filter(|v| v.settable);
-            settable.map(|v| format!("{}.{}", part.path, v.name))
+            settable.flat_map(|v| [v.name.clone(), format!("{}.{}", part.path, v.name)])
         });
         let names: Vec<String> = connectors.chain(variables).collect();
         let similar = similar(&given.name, names.iter().map(String::as_str));

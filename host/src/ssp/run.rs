@@ -165,8 +165,7 @@ pub fn simulate_system(
     let mut master = Master::new(members, recording, schedule, clock, &mut instances)?;
     let failure = match master.run(&mut instances, steps, &mut |_, _| Ok(()), progress) {
         Ok(()) => None,
-        // Who stops a run wants no result, and before the first step is over there is none.
-        Err(error @ Error::Interrupted { .. }) => return Err(error),
+        // Before the first step is over there is no result.
         Err(error) if master.steps_done() == 0 => return Err(error),
         Err(error) => Some(error),
     };
