@@ -289,11 +289,11 @@ impl Description {
             })
     }
 
-    /// Names of the variables with the given causality.
+    /// Names of the variables with the given causality whose values are numbers.
     pub fn names(&self, causality: Causality) -> Vec<&str> {
         self.variables
             .iter()
-            .filter(|v| v.causality == causality)
+            .filter(|v| v.causality == causality && v.kind.is_numeric())
             .map(|v| v.name.as_str())
             .collect()
     }
