@@ -23,7 +23,7 @@ BINARIES = {
 }
 LINUX = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2"}
 LINUX |= {"ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
-WINDOWS = {"kernel32.dll", "ntdll.dll", "advapi32.dll", "userenv.dll", "ws2_32.dll"}
+WINDOWS = {"kernel32.dll", "ntdll.dll", "msvcrt.dll", "advapi32.dll", "userenv.dll", "ws2_32.dll"}
 BUILT = ROOT / "target" / "platforms"
 HOSTS = {
     "aarch64-linux": BUILT / "aarch64-unknown-linux-gnu" / "release" / "flexarm",

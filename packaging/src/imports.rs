@@ -23,10 +23,11 @@ const LINUX: [&str; 6] = [
     "ld-linux-aarch64",
 ];
 
-/// What every Windows brings; those that start with `api-ms-win-crt-` are its C library.
-const WINDOWS: [&str; 8] = [
+/// What every Windows brings; so are those that start with `api-ms-win-crt-`, its newer C library.
+const WINDOWS: [&str; 9] = [
     "kernel32.dll",
     "ntdll.dll",
+    "msvcrt.dll",
     "advapi32.dll",
     "userenv.dll",
     "ws2_32.dll",

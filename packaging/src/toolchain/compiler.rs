@@ -5,11 +5,15 @@ use crate::workspace::Workspace;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fmt::{self, Display};
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Sources of the standard library, below the folder of a compiler.
 pub const LIBRARY_SOURCE: &str = "lib/rustlib/src/rust/library";
+
+/// What programs of mingw-w64 are called first.
+const MINGW: &str = "x86_64-w64-mingw32";
 
 /// A compiler and how it comes by the standard library of a platform.
 pub enum Compiler {
@@ -33,25 +37,35 @@ impl Compiler {
             debian::fetch(workspace).map(Self::Debian).map_err(|e| {
                 format!(
                     "your compiler has neither the standard library for {triple} nor its sources: \
-                     run `rustup component add rust-src`.\nNor is Debian's compiler to be had: {e}"
+                     run `rustup component add rust-src` and install gcc-mingw-w64-x86-64.\nNor is Debian's compiler to be had: {e}"
                 )
             })
         }
+    }
+
+    /// Makes cargo link with mingw-w64, which also compiles what is in C: Debian's, or the installed one.
+    pub fn link_for_windows(&self, cargo: &mut Command, triple: &str) {
+        let mut gcc = PathBuf::from(format!("{MINGW}-gcc"));
+        if let Self::Debian(folder) = self {
+            let programs = folder.join("usr/bin");
+            let fetched = programs.join(format!("{MINGW}-gcc-win32"));
+            if fetched.exists() {
+                gcc = fetched;
+            }
+            cargo.env("PATH", first("PATH", programs)); // the compiler calls its dlltool by name
+        }
+        let triple = triple.replace('-', "_");
+        cargo.env(format!("CC_{triple}"), &gcc);
+        let linker = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase());
+        cargo.env(linker, gcc);
     }
 
     /// Makes cargo use it. `flags` are those of the compiler, separated by U+001F.
     pub fn set_up(&self, cargo: &mut Command, flags: &mut OsString) {
         if let Self::Debian(folder) = self {
             cargo.env("RUSTC", folder.join("usr/bin/rustc"));
-            let mut libraries = vec![folder.join("usr/lib/x86_64-linux-gnu")];
-            libraries.extend(
-                env::var_os("LD_LIBRARY_PATH")
-                    .iter()
-                    .flat_map(env::split_paths),
-            );
-            // Fails for a path with a colon only, which the loader could not be told either.
-            let path = env::join_paths(libraries).unwrap_or_default();
-            cargo.env("LD_LIBRARY_PATH", path);
+            let libraries = folder.join("usr/lib/x86_64-linux-gnu");
+            cargo.env("LD_LIBRARY_PATH", first("LD_LIBRARY_PATH", libraries));
         }
         if !matches!(self, Self::Own) {
             // Building the standard library is not stable; this is what makes it possible at all.
@@ -61,6 +75,14 @@ impl Compiler {
             flags.push("\x1f-Zfunction-sections=yes");
         }
     }
+}
+
+/// The value of a variable that lists folders, with `folder` before the others.
+fn first(variable: &str, folder: PathBuf) -> OsString {
+    let set = env::var_os(variable);
+    let others = set.iter().flat_map(env::split_paths);
+    // Fails for a folder with a colon only, of which no list can tell.
+    env::join_paths(iter::once(folder).chain(others)).unwrap_or_default()
 }
 
 impl Display for Compiler {

@@ -1,4 +1,4 @@
-//! Debian's compiler and the sources of its standard library, unpacked below `target/`.
+//! Debian's compiler, the sources of its standard library and a linker for Windows, below `target/`.
 //!
 //! For machines whose rustup cannot fetch more than it has. Nothing is installed, so nobody has to
 //! be root: apt says what would be, fetches it, and it is unpacked in a folder.
@@ -13,6 +13,8 @@ use std::process::Stdio;
 /// Of Debian, the packages that follow the current compiler.
 const COMPILER: &str = "rustc-web";
 const SOURCE: &str = "rust-web-src";
+/// The linker for Windows, if it is not installed.
+const MINGW: &str = "gcc-mingw-w64-x86-64-win32";
 
 /// Folder with the compiler, fetched if it is not there.
 pub fn fetch(workspace: &Workspace) -> Result<PathBuf, String> {
@@ -60,7 +62,7 @@ pub fn fetch(workspace: &Workspace) -> Result<PathBuf, String> {
 fn packages(workspace: &Workspace) -> Result<Vec<String>, String> {
     let mut simulate = workspace.command("apt-get");
     simulate.args(["install", "--simulate", "--no-install-recommends"]);
-    simulate.args([COMPILER, SOURCE]).env("LC_ALL", "C");
+    simulate.args([COMPILER, SOURCE, MINGW]).env("LC_ALL", "C");
     let output = simulate.stderr(Stdio::inherit()).output();
     let output = output.map_err(|e| format!("apt-get: {e}"))?;
     let packages = missing(&String::from_utf8_lossy(&output.stdout));

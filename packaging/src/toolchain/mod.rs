@@ -1,12 +1,12 @@
 //! Builds for every platform from this one: the tools of `cargo xtask package --all-platforms`.
 //!
-//! zig, as a package of Python, links for each of them and brings their system libraries: glibc as
-//! it was in 2012, and what a DLL needs. The compiler needs its standard library for each.
+//! zig, as a package of Python, links for Linux against glibc as it was in 2012; mingw-w64 links for
+//! Windows, where zig (0.13) would lose the names that a DLL exports. The compiler needs its standard
+//! library for each platform.
 
 mod compiler;
 mod debian;
 
-use crate::archive::write_whole;
 use crate::cargo::Products;
 use crate::platform::Platform;
 use crate::workspace::Workspace;
@@ -14,6 +14,7 @@ use crate::{cargo, imports, python};
 use compiler::Compiler;
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 /// Where all tools are kept. In the project, so that paths in binaries do not tell where that is.
 const FOLDER: &str = "target/toolchain";
@@ -21,14 +22,7 @@ const FOLDER: &str = "target/toolchain";
 const BUILT: &str = "target/platforms";
 /// Pinned tools, which come as packages of Python.
 const REQUIREMENTS: &str = "packaging/toolchain.txt";
-/// Libraries that Debian's compiler asks for when it links for Windows, and definitions that make zig
-/// take them for empty. They guard stacks of C; zig does without.
-const UNUSED: [(&str, &str); 2] = [
-    ("ssp", "LIBRARY ssp.dll\nEXPORTS\n"),
-    ("ssp_nonshared", "LIBRARY ssp.dll\nEXPORTS\n"),
-];
-
-/// What zig links into binaries: name, and licence in its package.
+/// What linkers add to binaries: name, and licence in the package of zig.
 const RUNTIME: [(&str, &str); 3] = [
     ("Zig's compiler runtime (MIT)", "LICENSE"),
     (
@@ -57,10 +51,6 @@ impl Toolchain {
         let output = ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
         let output = output.output().map_err(|e| format!("python: {e}"))?;
         let zig = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
-        for (name, definition) in UNUSED {
-            let path = format!("lib/libc/mingw/lib-common/{name}.def");
-            write_whole(&zig.join(path), definition.as_bytes())?;
-        }
         let mut compilers = Vec::new();
         for platform in platforms {
             compilers.push((*platform, Compiler::find(workspace, platform.portable)?));
@@ -81,28 +71,38 @@ impl Toolchain {
         let mut built = Vec::new();
         for (platform, compiler) in &self.compilers {
             eprintln!("    for {}, by {compiler}", platform.fmi3);
-            let mut cargo = workspace.command(self.python.with_file_name("cargo-zigbuild"));
-            let (major, minor) = imports::GLIBC;
-            let mut target = platform.portable.to_owned();
             let mut flags = cargo::remapped_paths(workspace)?;
-            if platform.is_linux() {
-                target += &format!(".{major}.{minor}");
-            }
-            cargo.args(["zigbuild", "--target", &target]);
+            let mut cargo = if platform.is_linux() {
+                self.zig(workspace, platform.portable)
+            } else {
+                let mut cargo = cargo::command(workspace);
+                cargo.args(["build", "--target", platform.portable]);
+                compiler.link_for_windows(&mut cargo, platform.portable);
+                cargo
+            };
             cargo.args(["--target-dir", BUILT]);
-            cargo.env("CARGO_ZIGBUILD_PYTHON_PATH", &self.python);
-            for (variable, folder) in [
-                ("CARGO_ZIGBUILD_CACHE_DIR", "wrappers"),
-                ("ZIG_GLOBAL_CACHE_DIR", "zig"),
-            ] {
-                cargo.env(variable, workspace.path(FOLDER).join(folder));
-            }
             compiler.set_up(&mut cargo, &mut flags);
             cargo.env("CARGO_ENCODED_RUSTFLAGS", flags);
             let products = cargo::products(cargo, packages, platform.suffix)?;
             built.push((*platform, products));
         }
         Ok(built)
+    }
+
+    /// Cargo that links for Linux, against the oldest glibc that it shall run on.
+    fn zig(&self, workspace: &Workspace, triple: &str) -> Command {
+        let (major, minor) = imports::GLIBC;
+        let mut cargo = workspace.command(self.python.with_file_name("cargo-zigbuild"));
+        cargo.args(["zigbuild", "--target"]);
+        cargo.arg(format!("{triple}.{major}.{minor}"));
+        cargo.env("CARGO_ZIGBUILD_PYTHON_PATH", &self.python);
+        for (variable, folder) in [
+            ("CARGO_ZIGBUILD_CACHE_DIR", "wrappers"),
+            ("ZIG_GLOBAL_CACHE_DIR", "zig"),
+        ] {
+            cargo.env(variable, workspace.path(FOLDER).join(folder));
+        }
+        cargo
     }
 
     /// Names and licences of the libraries that every binary contains, for those who pass it on.
