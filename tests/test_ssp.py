@@ -156,7 +156,7 @@ def closed(source: Path, target: Path) -> None:
             new.writestr(name, data)
 
 
-# Its reader of FMI 3.0 frees a string of a description with clocks twice in the end: the process leaves before.
+# Its reader of FMI 3.0 frees a string of a description with clocks twice in the end: leave before.
 ECOS = """
 import os
 from ecospy import EcosSimulation
