@@ -1,6 +1,6 @@
 """Prints the loop of both units sample by sample, every bit, for comparison between platforms.
 
-    python trajectory.py <parameter set> <samples> [name=value ...]
+python trajectory.py <parameter set> <samples> [name=value ...]
 """
 
 import sys

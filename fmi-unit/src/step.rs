@@ -53,6 +53,11 @@ impl<U: Unit> Instance<U> {
                 "step of {size} s from {point} s: the size must be positive and the end finite"
             )));
         }
+        if end <= point {
+            return Err(Failure(format!(
+                "step of {size} s from {point} s: at that time so short a step cannot be told from none"
+            )));
+        }
         let slack = 1e-3 * size + rounding(point);
         let time = self.now.time;
         if (point - time).abs() > slack {

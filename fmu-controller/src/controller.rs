@@ -50,9 +50,11 @@ impl Unit for Controller {
     type State = State;
     type Job = Job;
 
-    /// Before the first sample there is no torque, and the reference rests at the measured angle.
+    /// Before the first sample there is no torque, and the reference rests at the measured angle, if that is
+    /// a usable number.
     fn initial_outputs(variables: &mut Variables) {
-        variables.reference.angle = variables.angle;
+        let angle = variables.angle;
+        variables.reference.angle = if control::usable(angle) { angle } else { 0.0 };
         variables.thermal_load = variables.initial.thermal_load;
         // A set that is none of its items is refused later, by name.
         let set = instructions(variables).unwrap_or(Instructions::Baseline);

@@ -1,0 +1,548 @@
+"""Random call sequences against the C interfaces of a packaged FMU.
+
+    python tests/calls.py dist/fmi3/FlexArmController.fmu --count 100000 --seed 1
+
+A sequence instantiates, makes some forty calls, legal and illegal, with values in and out of range, and
+frees. Whatever comes, the FMU must not crash, hang, leak or poison itself, must refuse what the standard
+forbids for a reason (status Error and a message), accept what it demands, and never put out anything but
+numbers. A failure names its seed; `--seed N --count 1` repeats it.
+"""
+
+import argparse
+import ctypes as c
+import math
+import multiprocessing
+import os
+import random
+import resource
+import sys
+from pathlib import Path
+
+import fmpy
+from fmpy import extract, read_model_description
+
+OK, WARNING, ERROR = 0, 1, 3
+SAMPLE = 0.00025
+CALLS = 40
+# Seconds that a sequence may take; one takes milliseconds.
+PATIENCE = 60
+
+# Modes: Instantiated, Initialization, Step, Event, Continuous-Time, clock Activation, Terminated. For each
+# call the modes in which the standard demands it and those in which it would do harm; elsewhere either is right.
+RULES = {
+    "enter_initialization": ("I", "NSECAT"),
+    "exit_initialization": ("N", "ISECAT"),
+    "step": ("S", "INECAT"),
+    "update": ("E", "INSCAT"),
+    "enter_event": ("C", "INAT"),
+    "enter_continuous": ("", "INSAT"),
+    "enter_step": ("", "INCAT"),
+    "activate": ("A", "INSECT"),
+    "set_time": ("C", "SAT"),
+    "set_states": ("C", "INSAT"),
+    "get_states": ("NEC", "SA"),
+    "completed_step": ("C", "INSAT"),
+    "get": ("NSECAT", ""),
+    "set_input": ("INSEC", ""),
+    "set_parameter": ("", "T"),
+    "save": ("INSECT", "A"),
+    "reset": ("INSECAT", ""),
+    "terminate": ("SECA", ""),
+}
+
+LOG2 = c.CFUNCTYPE(None, c.c_void_p, c.c_char_p, c.c_int, c.c_char_p, c.c_char_p, c.c_char_p)
+LOG3 = c.CFUNCTYPE(None, c.c_void_p, c.c_int, c.c_char_p, c.c_char_p)
+DOUBLES, REFERENCES = c.POINTER(c.c_double), c.POINTER(c.c_uint32)
+
+
+class Callbacks(c.Structure):
+    """`fmi2CallbackFunctions`."""
+
+    _fields_ = [
+        ("logger", LOG2),
+        ("allocate", c.c_void_p),
+        ("free", c.c_void_p),
+        ("finished", c.c_void_p),
+        ("environment", c.c_void_p),
+    ]
+
+
+class EventInfo(c.Structure):
+    """`fmi2EventInfo`."""
+
+    _fields_ = [(name, c.c_int) for name in ("again", "terminate", "nominals", "states", "defined")] + [
+        ("next", c.c_double)
+    ]
+
+
+class Failed(AssertionError):
+    """The FMU did what it must not."""
+
+
+class Fmu:
+    """A shared library with its description, loaded once."""
+
+    def __init__(self, path: Path):
+        self.description = read_model_description(str(path))
+        self.directory = extract(str(path))
+        self.fmi3 = self.description.fmiVersion.startswith("3")
+        folder = "x86_64-linux" if self.fmi3 else "linux64"
+        name = self.description.coSimulation.modelIdentifier + fmpy.sharedLibraryExtension
+        self.library = c.CDLL(os.path.join(self.directory, "binaries", folder, name))
+        self.prefix = "fmi3" if self.fmi3 else "fmi2"
+        self.token = (self.description.instantiationToken if self.fmi3 else self.description.guid).encode()
+        variables = self.description.modelVariables
+        self.floats = [v for v in variables if v.type in ("Real", "Float64") and not v.dimensions]
+        self.outputs = [v for v in self.floats if v.causality == "output"]
+        self.inputs = [v for v in self.floats if v.causality == "input"]
+        self.parameters = [v for v in self.floats if v.causality == "parameter"]
+        self.integers = [v for v in variables if v.type in ("Integer", "Enumeration", "Int32", "Int64")]
+        self.clocks = [v.valueReference for v in variables if v.type == "Clock"]
+        self.states = len([v for v in variables if v.derivative is not None])
+
+    def function(self, name: str, *types):
+        """A function of the interface, by its name without `fmi2` or `fmi3`."""
+        function = getattr(self.library, self.prefix + name)
+        function.argtypes = types
+        function.restype = c.c_int
+        return function
+
+
+class Sequence:
+    """One instance and what is done to it."""
+
+    def __init__(self, fmu: Fmu, seed: int):
+        self.fmu, self.random, self.messages = fmu, random.Random(seed), 0
+        self.trace: list[str] = []
+        self.mode: str | None = "I"
+        self.time, self.saved = 0.0, []
+        kinds = ["cs", "me"] + (["events"] if fmu.fmi3 else [])
+        if not fmu.clocks:
+            kinds = ["cs", "me"]
+        elif fmu.fmi3:
+            kinds.append("scheduled")
+        self.kind = self.random.choice(kinds)
+        self.instance = c.c_void_p(self.instantiate())
+        self.say(self.kind)
+        if not self.instance:
+            raise self.failure("no instance")
+
+    def say(self, text: str) -> None:
+        """Note a call for the report."""
+        self.trace.append(text)
+
+    def failure(self, reason: str) -> Failed:
+        """What went wrong, after which calls."""
+        return Failed(f"{reason} after: {'; '.join(self.trace)}")
+
+    def log(self, *_) -> None:
+        """The importer's logger."""
+        self.messages += 1
+
+    def instantiate(self):
+        """A new instance of the kind."""
+        fmu, library = self.fmu, self.fmu.library
+        if not fmu.fmi3:
+            self.callbacks = Callbacks(LOG2(self.log), None, None, None, None)
+            function = library.fmi2Instantiate
+            function.restype = c.c_void_p
+            kind = 0 if self.kind == "me" else 1
+            return function(b"f", kind, fmu.token, b"", c.byref(self.callbacks), 0, 1)
+        self.callbacks = LOG3(self.log)
+        common = (b"f", fmu.token, b"", c.c_ubyte(0), c.c_ubyte(1))
+        if self.kind == "me":
+            function, arguments = library.fmi3InstantiateModelExchange, (*common, None, self.callbacks)
+        elif self.kind == "scheduled":
+            function = library.fmi3InstantiateScheduledExecution
+            arguments = (*common, None, self.callbacks, None, None, None)
+        else:
+            function = library.fmi3InstantiateCoSimulation
+            events = c.c_ubyte(self.kind == "events")
+            arguments = (*common, events, events, None, c.c_size_t(0), None, self.callbacks, None)
+        function.restype = c.c_void_p
+        return function(*arguments)
+
+    def number(self) -> float:
+        """Any number, as likely as not a bad one."""
+        return self.random.choice(
+            [0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, math.nan, math.inf, -math.inf, self.random.gauss(0.0, 1.0)]
+        )
+
+    def reference(self, variables: list) -> tuple[int, bool]:
+        """A value reference and whether it is one of these variables."""
+        if variables and self.random.random() < 0.9:
+            return self.random.choice(variables).valueReference, True
+        return self.random.choice([0, 7, 999, 2**32 - 1, self.random.randrange(2**32)]), False
+
+    def call(self, rule: str, status: int, legal: bool = True, before: int = 0) -> int:
+        """Hold a status against the rules; `legal` tells whether the arguments were."""
+        self.say(f"{rule} -> {status}")
+        if status not in (OK, WARNING, ERROR):
+            raise self.failure(f"status {status}")
+        if status == ERROR and self.messages == before:
+            raise self.failure("an error without a message")
+        demanded, harmful = RULES.get(rule, ("", ""))
+        if self.mode is not None:
+            if self.mode in harmful and status != ERROR:
+                raise self.failure(f"{rule} is harmful in mode {self.mode}")
+            if self.mode in demanded and legal and status == ERROR:
+                raise self.failure(f"{rule} must be accepted in mode {self.mode}")
+        return status
+
+    def finite_outputs(self) -> None:
+        """NaN never reaches an actuator."""
+        outputs = self.fmu.outputs
+        references = (c.c_uint32 * len(outputs))(*[v.valueReference for v in outputs])
+        values = (c.c_double * len(outputs))()
+        status = self.get_floats(references, len(outputs), values, len(outputs))
+        bad = [v.name for v, x in zip(outputs, values, strict=True) if not math.isfinite(x)]
+        if status <= WARNING and bad:
+            raise self.failure(f"{bad} are no numbers")
+
+    def get_floats(self, references, n: int, values, n_values: int) -> int:
+        """`GetReal` or `GetFloat64`."""
+        if self.fmu.fmi3:
+            types = (c.c_void_p, REFERENCES, c.c_size_t, DOUBLES, c.c_size_t)
+            return self.fmu.function("GetFloat64", *types)(self.instance, references, n, values, n_values)
+        types = (c.c_void_p, REFERENCES, c.c_size_t, DOUBLES)
+        return self.fmu.function("GetReal", *types)(self.instance, references, n, values)
+
+    def set_float(self, reference: int, value: float) -> int:
+        """`SetReal` or `SetFloat64` of one."""
+        references, values = (c.c_uint32 * 1)(reference), (c.c_double * 1)(value)
+        if self.fmu.fmi3:
+            types = (c.c_void_p, REFERENCES, c.c_size_t, DOUBLES, c.c_size_t)
+            return self.fmu.function("SetFloat64", *types)(self.instance, references, 1, values, 1)
+        types = (c.c_void_p, REFERENCES, c.c_size_t, DOUBLES)
+        return self.fmu.function("SetReal", *types)(self.instance, references, 1, values)
+
+    # The calls, one method each. All know what was legal about their arguments.
+
+    def do_get(self) -> None:
+        """Read a number, known or unknown."""
+        before, (reference, legal) = self.messages, self.reference(self.fmu.floats)
+        values = (c.c_double * 1)()
+        status = self.get_floats((c.c_uint32 * 1)(reference), 1, values, 1)
+        self.call("get", status, legal, before)
+
+    def do_get_integer(self) -> None:
+        """Read an integer with the function of either type."""
+        before, (reference, _) = self.messages, self.reference(self.fmu.integers)
+        name = self.random.choice(["GetInt32", "GetInt64"]) if self.fmu.fmi3 else "GetInteger"
+        values = (c.c_int64 * 1)()
+        sizes = (c.c_size_t(1),) if self.fmu.fmi3 else ()
+        types = (c.c_void_p, REFERENCES, c.c_size_t, c.c_void_p) + (c.c_size_t,) * len(sizes)
+        function = self.fmu.function(name, *types)
+        self.call(
+            "get_integer",
+            function(self.instance, (c.c_uint32 * 1)(reference), 1, values, *sizes),
+            False,
+            before,
+        )
+
+    def do_set_input(self) -> None:
+        """Write anything to an input."""
+        before, (reference, legal) = self.messages, self.reference(self.fmu.inputs)
+        if legal:
+            self.call("set_input", self.set_float(reference, self.number()), legal, before)
+        else:
+            self.call("set_unknown", self.set_float(reference, self.number()), False, before)
+
+    def do_set_parameter(self) -> None:
+        """Write something to a parameter, in range or out of it."""
+        variable = self.random.choice(self.fmu.parameters)
+        ends = [float(e) for e in (variable.min, variable.max, variable.start) if e is not None]
+        value = self.random.choice([*ends, ends[-1] * self.random.uniform(0.5, 2.0), self.number()])
+        # Horizons as long as the contract admits are right, but slow.
+        before = self.messages
+        self.say(f"{variable.name} = {value}")
+        self.call("set_parameter_value", self.set_float(variable.valueReference, value), False, before)
+
+    def do_initialize(self) -> None:
+        """From Instantiated to the mode after initialization, or a part of the way."""
+        before, start = self.messages, self.random.choice([0.0, 0.0, 0.0, 100.0, self.number()])
+        legal = math.isfinite(start)
+        if self.fmu.fmi3:
+            types = (c.c_void_p, c.c_ubyte, c.c_double, c.c_double, c.c_ubyte, c.c_double)
+            status = self.fmu.function("EnterInitializationMode", *types)(
+                self.instance, 0, 0.0, start, 0, 0.0
+            )
+        else:
+            types = (c.c_void_p, c.c_int, c.c_double, c.c_double, c.c_int, c.c_double)
+            setup = self.fmu.function("SetupExperiment", *types)(self.instance, 0, 0.0, start, 0, 0.0)
+            if setup == ERROR and self.messages == before:
+                raise self.failure("an error without a message")
+            if setup == ERROR:
+                return
+            status = self.fmu.function("EnterInitializationMode", c.c_void_p)(self.instance)
+        if self.call("enter_initialization", status, legal, before) <= WARNING:
+            self.mode, self.time = "N", start
+        if self.random.random() < 0.8:
+            self.do_exit_initialization()
+
+    def do_exit_initialization(self) -> None:
+        """Sets the unit up, which refuses parameters that do not fit together."""
+        before = self.messages
+        status = self.fmu.function("ExitInitializationMode", c.c_void_p)(self.instance)
+        if self.call("exit_initialization", status, False, before) <= WARNING:
+            self.mode = {"cs": "S", "me": "E", "events": "E", "scheduled": "A"}[self.kind]
+
+    def plain(self, rule: str, name: str, then: str | None) -> None:
+        """A call without arguments."""
+        before = self.messages
+        status = self.fmu.function(name, c.c_void_p)(self.instance)
+        if self.call(rule, status, True, before) <= WARNING and then is not None:
+            self.mode = then
+
+    def do_mode(self) -> None:
+        """Into another mode."""
+        changes = [
+            ("enter_event", "EnterEventMode", "E"),
+            ("enter_continuous", "EnterContinuousTimeMode", "C"),
+            ("terminate", "Terminate", "T"),
+            ("reset", "Reset", "I"),
+        ]
+        if self.fmu.fmi3:
+            changes.append(("enter_step", "EnterStepMode", "S"))
+        weights = [4, 4, 1, 1, 4][: len(changes)]
+        change = self.random.choices(changes, weights)[0]
+        if change[0] == "terminate" and self.mode is None:
+            return
+        self.plain(*change)
+        if change[0] == "reset":
+            self.time = 0.0
+
+    def do_step(self) -> None:
+        """A communication step, mostly from where the last one ended."""
+        before = self.messages
+        size = self.random.choice([SAMPLE, SAMPLE, 0.001, 1 / 60, 0.05, self.number()])
+        point = self.random.choice([self.time] * 9 + [self.number()])
+        # Very long steps are legal and take as long as they take.
+        size = min(size, 0.2) if size == size else size
+        if self.fmu.fmi3:
+            flags, last = [c.c_ubyte() for _ in range(3)], c.c_double()
+            types = (c.c_void_p, c.c_double, c.c_double, c.c_ubyte) + (c.c_void_p,) * 4
+            function = self.fmu.function("DoStep", *types)
+            out = [c.byref(x) for x in (*flags, last)]
+            status = function(self.instance, point, size, 1, *out)
+            end = last.value
+        else:
+            types = (c.c_void_p, c.c_double, c.c_double, c.c_int)
+            status = self.fmu.function("DoStep", *types)(self.instance, point, size, 1)
+            end = point + size
+        # Inputs that are no numbers are refused by the plant, and may be.
+        if self.call("step", status, False, before) <= WARNING:
+            self.time = end
+            self.finite_outputs()
+        elif self.mode == "S":
+            self.mode = None
+
+    def do_update(self) -> None:
+        """An event iteration."""
+        before = self.messages
+        if self.fmu.fmi3:
+            flags, instant = [c.c_ubyte() for _ in range(5)], c.c_double()
+            function = self.fmu.function("UpdateDiscreteStates", *(c.c_void_p,) * 7)
+            status = function(self.instance, *[c.byref(x) for x in (*flags, instant)])
+        else:
+            info = EventInfo()
+            status = self.fmu.function("NewDiscreteStates", c.c_void_p, c.c_void_p)(
+                self.instance, c.byref(info)
+            )
+        if self.call("update", status, False, before) == ERROR and self.mode == "E":
+            self.mode = None
+
+    def do_clock(self) -> None:
+        """Tick a clock or activate a partition."""
+        if not self.fmu.clocks or not self.fmu.fmi3:
+            return
+        before = self.messages
+        clock = self.random.choice([*self.fmu.clocks, *self.fmu.clocks, 3])
+        if self.random.random() < 0.5:
+            types = (c.c_void_p, REFERENCES, c.c_size_t, c.c_void_p)
+            active = (c.c_ubyte * 1)(self.random.choice([0, 1, 255]))
+            status = self.fmu.function("SetClock", *types)(self.instance, (c.c_uint32 * 1)(clock), 1, active)
+            self.call("set_clock", status, False, before)
+            return
+        types = (c.c_void_p, c.c_uint32, c.c_double)
+        time = self.random.choice([self.time, self.number()])
+        status = self.fmu.function("ActivateModelPartition", *types)(self.instance, clock, time)
+        legal = clock in self.fmu.clocks and math.isfinite(time)
+        if self.call("activate", status, legal, before) <= WARNING:
+            self.time += SAMPLE
+            self.finite_outputs()
+
+    def do_time(self) -> None:
+        """Set the time of Model Exchange."""
+        before, time = self.messages, self.random.choice([self.time, self.time + SAMPLE, self.number()])
+        status = self.fmu.function("SetTime", c.c_void_p, c.c_double)(self.instance, time)
+        if self.call("set_time", status, math.isfinite(time), before) <= WARNING:
+            self.time = time
+
+    def do_states(self) -> None:
+        """Read, write or differentiate the continuous states, with the right number or a wrong one."""
+        before = self.messages
+        n = self.random.choice([self.fmu.states] * 5 + [0, 1, 9])
+        values = (c.c_double * max(n, 1))(*[self.number() for _ in range(max(n, 1))])
+        derivatives = "GetContinuousStateDerivatives" if self.fmu.fmi3 else "GetDerivatives"
+        names = ["SetContinuousStates", "GetContinuousStates", derivatives, "GetNominalsOfContinuousStates"]
+        name = self.random.choice(names)
+        status = self.fmu.function(name, c.c_void_p, DOUBLES, c.c_size_t)(self.instance, values, n)
+        legal = n == self.fmu.states and name != derivatives
+        rule = "set_states" if name.startswith("Set") else "get_states"
+        self.call(rule, status, legal, before)
+
+    def do_completed_step(self) -> None:
+        """The end of an integrator step."""
+        before = self.messages
+        if self.fmu.fmi3:
+            types, flag = (c.c_void_p, c.c_ubyte, c.c_void_p, c.c_void_p), c.c_ubyte
+        else:
+            types, flag = (c.c_void_p, c.c_int, c.c_void_p, c.c_void_p), c.c_int
+        event, terminate = flag(), flag()
+        function = self.fmu.function("CompletedIntegratorStep", *types)
+        status = function(self.instance, 1, c.byref(event), c.byref(terminate))
+        self.call("completed_step", status, True, before)
+
+    def do_derivative(self) -> None:
+        """A directional derivative of anything by anything."""
+        before = self.messages
+        pick = [self.reference(self.fmu.floats)[0] for _ in range(4)]
+        unknowns, knowns = (c.c_uint32 * 2)(*pick[:2]), (c.c_uint32 * 2)(*pick[2:])
+        seed, out = (c.c_double * 2)(self.number(), self.number()), (c.c_double * 2)()
+        name = "GetDirectionalDerivative"
+        if self.fmu.fmi3:
+            name = self.random.choice([name, "GetAdjointDerivative"])
+            pair = (REFERENCES, c.c_size_t)
+            types = (c.c_void_p, *pair, *pair, DOUBLES, c.c_size_t, DOUBLES, c.c_size_t)
+            function = self.fmu.function(name, *types)
+            status = function(self.instance, unknowns, 2, knowns, 2, seed, 2, out, 2)
+        else:
+            types = (c.c_void_p, REFERENCES, c.c_size_t, REFERENCES, c.c_size_t, DOUBLES, DOUBLES)
+            status = self.fmu.function(name, *types)(self.instance, unknowns, 2, knowns, 2, seed, out)
+        self.call("derivative", status, False, before)
+
+    def do_state(self) -> None:
+        """Save, restore, serialize, restore from damaged bytes, forget."""
+        state = "State" if self.fmu.fmi3 else "state"
+        function, before = self.fmu.function, self.messages
+        if not self.saved or self.random.random() < 0.3:
+            pointer = c.c_void_p()
+            status = function(f"GetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, c.byref(pointer))
+            if self.call("save", status, True, before) <= WARNING:
+                self.saved.append((pointer, self.mode, self.time))
+            return
+        pointer, mode, time = self.random.choice(self.saved)
+        if self.random.random() < 0.5:
+            status = function(f"SetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, pointer)
+            if self.call("restore", status, False, before) <= WARNING:
+                self.mode, self.time = mode, time
+            return
+        size = c.c_size_t()
+        types = (c.c_void_p, c.c_void_p, c.c_void_p)
+        status = function(f"SerializedFMU{state}Size", *types)(self.instance, pointer, c.byref(size))
+        if self.call("size", status, False, before) == ERROR:
+            return
+        data = (c.c_char * size.value)()
+        types = (c.c_void_p, c.c_void_p, c.c_void_p, c.c_size_t)
+        status = function(f"SerializeFMU{state}", *types)(self.instance, pointer, data, size.value)
+        self.call("serialize", status, False, before)
+        for _ in range(self.random.choice([0, 1, 1, 5])):
+            data[self.random.randrange(size.value)] = self.random.randrange(256)
+        length = self.random.choice([size.value] * 3 + [0, size.value // 2])
+        copy = c.c_void_p()
+        name = "DeserializeFMUState" if self.fmu.fmi3 else "DeSerializeFMUstate"
+        types = (c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p)
+        status = function(name, *types)(self.instance, data, length, c.byref(copy))
+        if self.call("deserialize", status, False, before) <= WARNING:
+            self.saved.append((copy, mode, time))
+
+    def run(self) -> None:
+        """All calls, and the end."""
+        steps = [name for name in dir(self) if name.startswith("do_")]
+        weights = [6 if name in ("do_step", "do_set_input", "do_update", "do_clock") else 2 for name in steps]
+        weights = [
+            8 if name == "do_initialize" and self.mode == "I" else w
+            for name, w in zip(steps, weights, strict=True)
+        ]
+        for _ in range(CALLS):
+            getattr(self, self.random.choices(steps, weights)[0])()
+        self.close()
+
+    def close(self) -> None:
+        """Forget what was saved and free the instance."""
+        state = "State" if self.fmu.fmi3 else "state"
+        for pointer, _, _ in self.saved:
+            self.fmu.function(f"FreeFMU{state}", c.c_void_p, c.c_void_p)(self.instance, c.byref(pointer))
+        free = getattr(self.fmu.library, self.fmu.prefix + "FreeInstance")
+        free.argtypes, free.restype = (c.c_void_p,), None
+        free(self.instance)
+
+
+def work(path: str, seeds: range, at, failures) -> None:
+    """Run the sequences of some seeds; `at` tells how far they are should the process die."""
+    fmu = Fmu(Path(path))
+    settled = 0
+    for n, seed in enumerate(seeds):
+        at.value = seed
+        try:
+            Sequence(fmu, seed).run()
+        except Failed as failure:
+            failures.put(f"seed {seed}: {failure}")
+            return
+        used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        if n == len(seeds) // 4:
+            settled = used
+        elif settled and used > settled + 20_000:
+            failures.put(f"seed {seed}: {used - settled} kB more than after a quarter of the sequences")
+            return
+    at.value = -1
+
+
+def run(path: Path, first: int, count: int, progress=None) -> list[str]:
+    """Run sequences in a process of their own, which may crash or hang; the failures."""
+    context = multiprocessing.get_context("spawn")
+    at, failures = context.Value("q", first), context.Queue()
+    worker = context.Process(target=work, args=(str(path), range(first, first + count), at, failures))
+    worker.start()
+    seen = None
+    while worker.is_alive():
+        worker.join(PATIENCE)
+        if worker.is_alive() and at.value == seen:
+            worker.kill()
+            return [f"seed {seen}: no end after {PATIENCE} s"]
+        seen = at.value
+        if progress and seen >= 0:
+            progress(seen - first)
+    found = []
+    while not failures.empty():
+        found.append(failures.get())
+    if not found and at.value != -1:
+        found.append(f"seed {at.value}: the process ended with {worker.exitcode}")
+    return found
+
+
+def main() -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("fmu", type=Path, nargs="+")
+    parser.add_argument("--count", type=int, default=10_000, help="sequences for each FMU")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the first")
+    arguments = parser.parse_args()
+    failures = []
+    for path in arguments.fmu:
+        found = run(
+            path,
+            arguments.seed,
+            arguments.count,
+            lambda done, path=path: print(f"{path}: {done} of {arguments.count}", file=sys.stderr),
+        )
+        print(f"{path}: {arguments.count} sequences, {found or 'nothing found'}")
+        failures += found
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
