@@ -1,34 +1,17 @@
-"""Random call sequences against the C interfaces of a packaged FMU.
+"""One random sequence of calls, and the rules that hold whatever is called."""
 
-    python tests/calls.py dist/fmi3/FlexArmController.fmu --count 100000 --seed 1
-
-A sequence instantiates, makes some forty calls, legal and illegal, with values in and out of range, and
-frees. Whatever comes, the FMU must not crash, hang, leak or poison itself, must refuse what the standard
-forbids for a reason (status Error and a message), accept what it demands, and never put out anything but
-numbers. A failure names its seed; `--seed N --count 1` repeats it.
-"""
-
-import argparse
 import ctypes as c
 import math
-import multiprocessing
-import os
 import random
-import resource
-import sys
-from pathlib import Path
 
-import fmpy
-from fmpy import extract, read_model_description
+from abi import DOUBLES, LOG2, LOG3, REFERENCES, Callbacks, EventInfo, Fmu
 
 OK, WARNING, ERROR = 0, 1, 3
 SAMPLE = 0.00025
 CALLS = 40
-# Seconds that a sequence may take; one takes milliseconds.
-PATIENCE = 60
 
 # Modes: Instantiated, Initialization, Step, Event, Continuous-Time, clock Activation, Terminated. For each
-# call the modes in which the standard demands it and those in which it would do harm; elsewhere either is right.
+# call the modes in which the standard demands it and those in which it would do harm; else either is right.
 RULES = {
     "enter_initialization": ("I", "NSECAT"),
     "exit_initialization": ("N", "ISECAT"),
@@ -50,62 +33,9 @@ RULES = {
     "terminate": ("SECA", ""),
 }
 
-LOG2 = c.CFUNCTYPE(None, c.c_void_p, c.c_char_p, c.c_int, c.c_char_p, c.c_char_p, c.c_char_p)
-LOG3 = c.CFUNCTYPE(None, c.c_void_p, c.c_int, c.c_char_p, c.c_char_p)
-DOUBLES, REFERENCES = c.POINTER(c.c_double), c.POINTER(c.c_uint32)
-
-
-class Callbacks(c.Structure):
-    """`fmi2CallbackFunctions`."""
-
-    _fields_ = [
-        ("logger", LOG2),
-        ("allocate", c.c_void_p),
-        ("free", c.c_void_p),
-        ("finished", c.c_void_p),
-        ("environment", c.c_void_p),
-    ]
-
-
-class EventInfo(c.Structure):
-    """`fmi2EventInfo`."""
-
-    _fields_ = [(name, c.c_int) for name in ("again", "terminate", "nominals", "states", "defined")] + [
-        ("next", c.c_double)
-    ]
-
 
 class Failed(AssertionError):
     """The FMU did what it must not."""
-
-
-class Fmu:
-    """A shared library with its description, loaded once."""
-
-    def __init__(self, path: Path):
-        self.description = read_model_description(str(path))
-        self.directory = extract(str(path))
-        self.fmi3 = self.description.fmiVersion.startswith("3")
-        folder = "x86_64-linux" if self.fmi3 else "linux64"
-        name = self.description.coSimulation.modelIdentifier + fmpy.sharedLibraryExtension
-        self.library = c.CDLL(os.path.join(self.directory, "binaries", folder, name))
-        self.prefix = "fmi3" if self.fmi3 else "fmi2"
-        self.token = (self.description.instantiationToken if self.fmi3 else self.description.guid).encode()
-        variables = self.description.modelVariables
-        self.floats = [v for v in variables if v.type in ("Real", "Float64") and not v.dimensions]
-        self.outputs = [v for v in self.floats if v.causality == "output"]
-        self.inputs = [v for v in self.floats if v.causality == "input"]
-        self.parameters = [v for v in self.floats if v.causality == "parameter"]
-        self.integers = [v for v in variables if v.type in ("Integer", "Enumeration", "Int32", "Int64")]
-        self.clocks = [v.valueReference for v in variables if v.type == "Clock"]
-        self.states = len([v for v in variables if v.derivative is not None])
-
-    def function(self, name: str, *types):
-        """A function of the interface, by its name without `fmi2` or `fmi3`."""
-        function = getattr(self.library, self.prefix + name)
-        function.argtypes = types
-        function.restype = c.c_int
-        return function
 
 
 class Sequence:
@@ -477,72 +407,3 @@ class Sequence:
         free = getattr(self.fmu.library, self.fmu.prefix + "FreeInstance")
         free.argtypes, free.restype = (c.c_void_p,), None
         free(self.instance)
-
-
-def work(path: str, seeds: range, at, failures) -> None:
-    """Run the sequences of some seeds; `at` tells how far they are should the process die."""
-    fmu = Fmu(Path(path))
-    settled = 0
-    for n, seed in enumerate(seeds):
-        at.value = seed
-        try:
-            Sequence(fmu, seed).run()
-        except Failed as failure:
-            failures.put(f"seed {seed}: {failure}")
-            return
-        used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        if n == len(seeds) // 4:
-            settled = used
-        elif settled and used > settled + 20_000:
-            failures.put(f"seed {seed}: {used - settled} kB more than after a quarter of the sequences")
-            return
-    at.value = -1
-
-
-def run(path: Path, first: int, count: int, progress=None) -> list[str]:
-    """Run sequences in a process of their own, which may crash or hang; the failures."""
-    context = multiprocessing.get_context("spawn")
-    at, failures = context.Value("q", first), context.Queue()
-    worker = context.Process(target=work, args=(str(path), range(first, first + count), at, failures))
-    worker.start()
-    seen = None
-    while worker.is_alive():
-        worker.join(PATIENCE)
-        if worker.is_alive() and at.value == seen:
-            worker.kill()
-            return [f"seed {seen}: no end after {PATIENCE} s"]
-        seen = at.value
-        if progress and seen >= 0:
-            progress(seen - first)
-    found = []
-    while not failures.empty():
-        found.append(failures.get())
-    if not found and at.value != -1:
-        found.append(f"seed {at.value}: the process ended with {worker.exitcode}")
-    return found
-
-
-def main() -> int:
-    """The command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("fmu", type=Path, nargs="+")
-    parser.add_argument("--count", type=int, default=10_000, help="sequences for each FMU")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the first")
-    arguments = parser.parse_args()
-    failures = []
-    for path in arguments.fmu:
-        found = run(
-            path,
-            arguments.seed,
-            arguments.count,
-            lambda done, path=path: print(f"{path}: {done} of {arguments.count}", file=sys.stderr),
-        )
-        print(f"{path}: {arguments.count} sequences, {found or 'nothing found'}")
-        failures += found
-    return 1 if failures else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
