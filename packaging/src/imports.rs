@@ -1,12 +1,12 @@
-//! What a binary asks of the system that loads it: libraries, and versions of glibc.
+//! What a binary offers, and asks of the system that loads it: libraries, and versions of glibc.
 //!
 //! An FMU is dropped into tools on machines that nobody has seen. Its binaries must find there all
 //! that they ask for, so they may ask only for what every such system brings.
 
-use object::LittleEndian;
 use object::elf::{DT_NEEDED, FileHeader64};
 use object::read::elf::{Dyn, FileHeader};
 use object::read::pe::PeFile64;
+use object::{LittleEndian, NameOrOrdinal, Object};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -37,24 +37,48 @@ const WINDOWS: [&str; 9] = [
 ];
 const WINDOWS_C: &str = "api-ms-win-crt-";
 
+/// One function of each version of the standard: a linker that keeps no names loses these too.
+const FUNCTIONS: [&str; 2] = ["fmi2Instantiate", "fmi3DoStep"];
+
+/// Refuses a shared library whose functions a tool would not find, or that asks for too much.
+pub fn check(binary: &[u8]) -> Result<(), String> {
+    let unreadable = |e| format!("is not a shared library that can be checked: {e}");
+    let exports = exports(binary).map_err(unreadable)?;
+    for function in FUNCTIONS {
+        if !exports.contains(function) {
+            return Err(format!("does not export {function}"));
+        }
+    }
+    Imports::read(binary).map_err(unreadable)?.check()
+}
+
+fn exports(binary: &[u8]) -> object::Result<BTreeSet<String>> {
+    let mut names = BTreeSet::new();
+    for export in object::File::parse(binary)?.exports()? {
+        if let NameOrOrdinal::Name(name) = export?.name() {
+            names.insert(String::from_utf8_lossy(name).into_owned());
+        }
+    }
+    Ok(names)
+}
+
 /// The libraries that a binary names, and the versions of symbols (ELF only).
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Imports {
+struct Imports {
     /// Names as in the file.
-    pub libraries: BTreeSet<String>,
+    libraries: BTreeSet<String>,
     /// `GLIBC_2.17` and the like.
-    pub versions: BTreeSet<String>,
+    versions: BTreeSet<String>,
 }
 
 impl Imports {
     /// Reads them from a 64-bit ELF or PE file.
-    pub fn read(binary: &[u8]) -> Result<Self, String> {
-        let read = if binary.starts_with(b"MZ") {
+    fn read(binary: &[u8]) -> object::Result<Self> {
+        if binary.starts_with(b"MZ") {
             Self::of_pe(binary)
         } else {
             Self::of_elf(binary)
-        };
-        read.map_err(|e| format!("is not a shared library that can be checked: {e}"))
+        }
     }
 
     fn of_elf(binary: &[u8]) -> object::Result<Self> {
@@ -99,7 +123,7 @@ impl Imports {
     }
 
     /// Refuses, by name, what not every system brings.
-    pub fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), String> {
         let libraries = self.libraries.iter().filter(|name| !is_system(name));
         let versions = self.versions.iter().filter(|name| is_newer(name));
         let mut refused = String::new();
@@ -179,6 +203,10 @@ mod tests {
         let read = Imports::read(&program).unwrap();
         assert!(read.libraries.contains("libc.so.6"), "{read:?}");
         assert!(read.versions.iter().any(|v| v.starts_with("GLIBC_2.")));
-        assert!(Imports::read(b"no binary").is_err());
+        assert_eq!(
+            check(&program).unwrap_err(),
+            "does not export fmi2Instantiate"
+        );
+        assert!(check(b"no binary").is_err());
     }
 }

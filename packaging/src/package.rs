@@ -3,12 +3,11 @@
 use crate::archive::write_whole;
 use crate::cargo::Products;
 use crate::fmu::{Content, Version};
-use crate::imports::Imports;
 use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, page, parameters, plot, ssp};
+use crate::{cargo, imports, page, parameters, plot, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -130,8 +129,7 @@ fn contents(
             let binary = fs::read(library).map_err(|e| format!("{name}: {e}"))?;
             // What is built for this platform alone may use all that this platform has.
             if products.len() > 1 {
-                let imports = Imports::read(&binary).and_then(|imports| imports.check());
-                imports.map_err(|e| format!("{name}: {e}"))?;
+                imports::check(&binary).map_err(|e| format!("{name} {e}"))?;
             }
             binaries.push((*platform, binary));
         }
