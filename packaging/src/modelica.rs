@@ -35,7 +35,9 @@ pub fn write(
     sources(workspace, "", &mut files)?;
     for text in files.values_mut() {
         if let Ok(source) = std::str::from_utf8(text) {
-            *text = source.replace("@version@", &controller.version).into_bytes();
+            *text = source
+                .replace("@version@", &controller.version)
+                .into_bytes();
         }
     }
     parameters::add(workspace, units, &mut files)?;

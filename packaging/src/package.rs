@@ -8,7 +8,7 @@ use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, page, parameters, plot, ssp};
+use crate::{cargo, modelica, page, parameters, plot, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -78,6 +78,13 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
     }
     for path in ssp::write(workspace, host.as_os_str())? {
         eprintln!("{path}");
+    }
+    if let [plant, controller] = &contents[..] {
+        let units = [&plant.description, &controller.description];
+        eprintln!(
+            "{}",
+            modelica::write(workspace, units, &controller.binaries)?
+        );
     }
     Ok(())
 }

@@ -35,7 +35,10 @@ pub fn string(text: &str) -> String {
 
 /// Text for the HTML of a documentation annotation.
 pub fn html(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let text = text
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;");
     text.replace('\\', "\\\\").replace('"', "&quot;")
 }
 
@@ -68,7 +71,11 @@ pub fn literal(
     let of = of.ok_or_else(|| format!("{name}: no enumeration type"))?;
     let item = of.items.iter().find(|item| item.value == number);
     let item = item.ok_or_else(|| format!("{name}: {} has no item {number}", of.name))?;
-    Ok(format!("FlexArm.Types.{}.{}", of.name, component(&item.name)))
+    Ok(format!(
+        "FlexArm.Types.{}.{}",
+        of.name,
+        component(&item.name)
+    ))
 }
 
 /// A component: type, dimension, modifiers, default and description of a variable.
@@ -147,7 +154,12 @@ pub fn add(
 }
 
 /// Adds the `package.mo` and `package.order` of a package of generated classes.
-pub fn package(files: &mut Files, name: &str, [comment, icon, info]: [&str; 3], members: &[String]) {
+pub fn package(
+    files: &mut Files,
+    name: &str,
+    [comment, icon, info]: [&str; 3],
+    members: &[String],
+) {
     let text = format!(
         "within FlexArm;\npackage {name} {}\n  extends Modelica.Icons.{icon};\n\n  annotation (Documentation(info = \"<html>\n{info}\n</html>\"));\nend {name};\n",
         string(comment)

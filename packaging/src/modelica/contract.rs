@@ -56,7 +56,10 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
         if of_register != Register::Boolean {
             constants += &references(&format!("{name}Outputs"), &taken);
         } else if !taken.is_empty() {
-            return Err(format!("{}: Boolean outputs have no way into Modelica", controller.file));
+            return Err(format!(
+                "{}: Boolean outputs have no way into Modelica",
+                controller.file
+            ));
         }
         for (i, variable) in taken.iter().enumerate() {
             let field = variable.name.replace('.', "_");
@@ -71,7 +74,10 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
                         .map(|i| format!("FlexArm.Types.{}.{}", of.name, class::component(&i.name)))
                         .collect();
                     let items = items.join(", ");
-                    format!("    outputs.{field} := {{{items}}}[integers[{number}] + {}];\n", 1 - first)
+                    format!(
+                        "    outputs.{field} := {{{items}}}[integers[{number}] + {}];\n",
+                        1 - first
+                    )
                 }
                 None => format!("    outputs.{field} := {name}s[{number}];\n"),
             };
@@ -108,7 +114,12 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
     class::add(
         files,
         "Internal",
-        ["package", "Contract", "What crosses the C interface, and in which order", "InternalPackage"],
+        [
+            "package",
+            "Contract",
+            "What crosses the C interface, and in which order",
+            "InternalPackage",
+        ],
         &body,
         "<p>Value references of the controller's FMI 2.0 description.</p>",
     );
@@ -118,7 +129,9 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
 }
 
 fn of(unit: &ModelDescription, causality: Causality) -> impl Iterator<Item = &Variable> {
-    unit.variables.iter().filter(move |v| v.causality == causality)
+    unit.variables
+        .iter()
+        .filter(move |v| v.causality == causality)
 }
 
 /// A constant with all value references; an array of n elements has n.

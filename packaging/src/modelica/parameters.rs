@@ -51,22 +51,38 @@ pub fn add(
     for group in groups {
         let mut body = String::new();
         for (unit, variable) in &parameters {
-            let in_group = variable.name.split_once('.').is_some_and(|(g, _)| g == group);
+            let in_group = variable
+                .name
+                .split_once('.')
+                .is_some_and(|(g, _)| g == group);
             if in_group {
                 body += &class::declaration(unit, variable, "parameter ")?;
             }
         }
         let name = class::class(group);
         let comment = format!("Parameters {group}.* of the FMUs");
-        let info = format!("<p>Defaults are those of the T-flex. The FMUs know them as <code>{group}.*</code>.</p>");
-        class::add(files, "Parameters", ["record", &name, &comment, "Record"], &body, &info);
+        let info = format!(
+            "<p>Defaults are those of the T-flex. The FMUs know them as <code>{group}.*</code>.</p>"
+        );
+        class::add(
+            files,
+            "Parameters",
+            ["record", &name, &comment, "Record"],
+            &body,
+            &info,
+        );
         members.push(name);
     }
     members.sort();
     class::add(
         files,
         "Parameters",
-        ["record", "TFlex", "T-flex arm and its controller: all defaults", "Record"],
+        [
+            "record",
+            "TFlex",
+            "T-flex arm and its controller: all defaults",
+            "Record",
+        ],
         &all,
         "<p>All parameters of arm and controller (eqs 14, 29, 31, 56, 57).</p>",
     );
@@ -77,7 +93,13 @@ pub fn add(
         let modifiers = changes(&set, &parameters).map_err(|e| format!("{file}: {e}"))?;
         let body = format!("  extends {base}({modifiers});\n");
         let info = format!("<p>What differs from {base}.</p>");
-        class::add(files, "Parameters", ["record", name, &set.description, "Record"], &body, &info);
+        class::add(
+            files,
+            "Parameters",
+            ["record", name, &set.description, "Record"],
+            &body,
+            &info,
+        );
         members.push(name.to_owned());
     }
     class::package(
@@ -117,7 +139,10 @@ fn changes(
             Some(_) => format!("{{{}}}", values.join(", ")),
             None => values.concat(),
         };
-        let (group, name) = variable.name.split_once('.').unwrap_or(("", &variable.name));
+        let (group, name) = variable
+            .name
+            .split_once('.')
+            .unwrap_or(("", &variable.name));
         let modifier = format!("{} = {value}", class::component(name));
         match groups.iter_mut().find(|(g, _)| *g == group) {
             Some((_, members)) => members.push(modifier),
@@ -134,16 +159,22 @@ fn changes(
     Ok(groups.join(","))
 }
 
-fn value(unit: &ModelDescription, variable: &Variable, value: &ssv::Value) -> Result<String, String> {
+fn value(
+    unit: &ModelDescription,
+    variable: &Variable,
+    value: &ssv::Value,
+) -> Result<String, String> {
     match value {
         ssv::Value::Enumeration(item) => {
             let of = variable.declared_type.as_deref().unwrap_or_default();
             Ok(format!("FlexArm.Types.{of}.{}", class::component(item)))
         }
         ssv::Value::Real(value) => class::literal(unit, variable, Value::Float64(*value)),
-        ssv::Value::Integer(value) => class::literal(unit, variable, Value::Int32(*value)),
-        ssv::Value::Boolean(value) => class::literal(unit, variable, Value::Boolean(*value)),
-        other => Err(format!("{}: {other:?} is no value of it", variable.name)),
+        ssv::Value::Integer(value) => Ok(value.to_string()),
+        ssv::Value::Boolean(value) => Ok(value.to_string()),
+        other @ ssv::Value::String(_) => {
+            Err(format!("{}: {other:?} is no value of it", variable.name))
+        }
     }
 }
 
@@ -153,7 +184,13 @@ fn types(units: [&ModelDescription; 2], files: &mut Files) {
         let items: Vec<_> = of
             .items
             .iter()
-            .map(|i| format!("\n    {} {}", class::component(&i.name), class::string(&i.description)))
+            .map(|i| {
+                format!(
+                    "\n    {} {}",
+                    class::component(&i.name),
+                    class::string(&i.description)
+                )
+            })
             .collect();
         let rows = of.items.iter().map(|i| {
             let (name, text) = (class::html(&i.name), class::html(&i.description));
@@ -173,7 +210,11 @@ fn types(units: [&ModelDescription; 2], files: &mut Files) {
     class::package(
         files,
         "Types",
-        ["Enumerations of the controller", "TypesPackage", "<p>With the items of the FMU.</p>"],
+        [
+            "Enumerations of the controller",
+            "TypesPackage",
+            "<p>With the items of the FMU.</p>",
+        ],
         &members,
     );
 }
