@@ -57,6 +57,15 @@ pub fn unit(name: &str) -> String {
     format!("{numerator}/({})", factors.join("."))
 }
 
+/// A number; large ones with an exponent, for they would overflow an integer.
+fn real(value: f64) -> String {
+    if value.abs() >= 1e6 {
+        format!("{value:e}")
+    } else {
+        Value::Float64(value).to_string()
+    }
+}
+
 /// A value as an expression.
 pub fn literal(
     description: &ModelDescription,
@@ -64,7 +73,10 @@ pub fn literal(
     value: Value,
 ) -> Result<String, String> {
     let Value::Enumeration(number) = value else {
-        return Ok(value.to_string());
+        return Ok(match value {
+            Value::Float64(value) => real(value),
+            value => value.to_string(),
+        });
     };
     let name = &variable.name;
     let of = description.declared_type(variable);
@@ -103,7 +115,7 @@ pub fn declaration(
         if let Some(value) = value {
             let value = match variable.kind {
                 Kind::Int32 => format!("{value:.0}"),
-                _ => Value::Float64(value).to_string(),
+                _ => real(value),
             };
             modifiers.push(format!("{each}{bound} = {value}"));
         }

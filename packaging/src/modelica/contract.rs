@@ -1,7 +1,7 @@
 //! `FlexArm.Internal.Contract`: what crosses the C interface of the controller's binary, and in which order.
 
 use super::{Files, class, parameters};
-use model_description::{Causality, Kind, ModelDescription, Variable};
+use model_description::{Causality, EnumerationType, Kind, ModelDescription, Variable};
 
 /// The setters and getters of FMI 2.0: enumerations are integers.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -68,15 +68,11 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
                 // Enumerations of Modelica count from one.
                 Some(of) => {
                     let first = of.items.first().map_or(1, |item| item.value);
-                    let items: Vec<_> = of
-                        .items
-                        .iter()
-                        .map(|i| format!("FlexArm.Types.{}.{}", of.name, class::component(&i.name)))
-                        .collect();
-                    let items = items.join(", ");
+                    let (items, shift) = (items(of), 1 - first);
+                    constants += &items;
                     format!(
-                        "    outputs.{field} := {{{items}}}[integers[{number}] + {}];\n",
-                        1 - first
+                        "    outputs.{field} := all{}[integers[{number}] + {shift}];\n",
+                        of.name
                     )
                 }
                 None => format!("    outputs.{field} := {name}s[{number}];\n"),
@@ -132,6 +128,21 @@ fn of(unit: &ModelDescription, causality: Causality) -> impl Iterator<Item = &Va
     unit.variables
         .iter()
         .filter(move |v| v.causality == causality)
+}
+
+/// A constant with all items of an enumeration, in their order.
+fn items(of: &EnumerationType) -> String {
+    let items: Vec<_> = of
+        .items
+        .iter()
+        .map(|item| format!("FlexArm.Types.{}.{}", of.name, class::component(&item.name)))
+        .collect();
+    format!(
+        "  constant FlexArm.Types.{0} all{0}[{1}] = {{{2}}} \"Items by their values\";\n",
+        of.name,
+        items.len(),
+        items.join(", ")
+    )
 }
 
 /// A constant with all value references; an array of n elements has n.
