@@ -9,10 +9,8 @@ function positionTorque "g of eq 12: torque that holds the arm at an angle, hyst
   input Real cogging_sin[9](each unit = "N.m") "b_1 to b_9";
   output Real torque(unit = "N.m") "g";
 algorithm
-  torque := stiffness*angle + offset;
-  for i in 1:9 loop
-    torque := torque + cogging_cos[i]*cos(i*cogging_frequency*angle) + cogging_sin[i]*sin(i*cogging_frequency*angle);
-  end for;
+  torque := stiffness*angle + offset
+    + sum(cogging_cos[i]*cos(i*cogging_frequency*angle) + cogging_sin[i]*sin(i*cogging_frequency*angle) for i in 1:9);
 
   annotation (
     smoothOrder = 100,
