@@ -7,7 +7,7 @@ use crate::licences::Licences;
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, imports, page, parameters, plot, ssp};
+use crate::{cargo, imports, modelica, page, parameters, plot, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -77,6 +77,13 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
     }
     for path in ssp::write(workspace, host.as_os_str())? {
         eprintln!("{path}");
+    }
+    if let [plant, controller] = &contents[..] {
+        let units = [&plant.description, &controller.description];
+        eprintln!(
+            "{}",
+            modelica::write(workspace, units, &controller.binaries)?
+        );
     }
     Ok(())
 }
