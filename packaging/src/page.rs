@@ -13,11 +13,17 @@ pub fn write(
     plot: &str,
 ) -> Result<String, String> {
     let asset = |name: &str| workspace.read(&format!("packaging/assets/{name}"));
-    let interfaces = match (&description.model_exchange, &description.co_simulation) {
-        (Some(_), Some(_)) => "Co-Simulation and Model Exchange",
-        (Some(_), None) => "Model Exchange",
-        _ => "Co-Simulation",
-    };
+    let interfaces: Vec<_> = [
+        (&description.co_simulation, "Co-Simulation"),
+        (&description.model_exchange, "Model Exchange"),
+        (
+            &description.scheduled_execution,
+            "Scheduled Execution (FMI 3.0)",
+        ),
+    ]
+    .into_iter()
+    .filter_map(|(interface, name)| interface.as_ref().map(|_| name))
+    .collect();
     let figure = if plot.is_empty() {
         String::new()
     } else {
@@ -36,7 +42,7 @@ pub fn write(
         ("version", escape(&description.version)),
         ("license", escape(&description.license)),
         ("token", escape(&description.token)),
-        ("interfaces", interfaces.to_owned()),
+        ("interfaces", interfaces.join(", ")),
     ];
     let mut page = asset("page.html")?;
     for (key, value) in values {

@@ -1,7 +1,7 @@
 //! The tables of variables, by role and group.
 
 use super::escape;
-use model_description::{Causality, Kind, ModelDescription, Value, Variable};
+use model_description::{Causality, Clock, Kind, ModelDescription, Value, Variable};
 
 /// All variables: inputs, outputs, parameters by group, local variables.
 pub fn variables(d: &ModelDescription) -> String {
@@ -23,7 +23,21 @@ pub fn variables(d: &ModelDescription) -> String {
         let members = of(Causality::Parameter).filter(|v| group(v) == name);
         html += &table(d, &title, members);
     }
-    html + &table(d, "Local variables", of(Causality::Local))
+    html += &table(d, "Local variables", of(Causality::Local));
+    html + &clocks(d)
+}
+
+/// The input clocks of FMI 3.0.
+fn clocks(d: &ModelDescription) -> String {
+    let row = |clock: &Clock| {
+        let (name, text) = (escape(&clock.name), escape(&clock.description));
+        let interval = clock.interval;
+        format!(
+            "<tr><td><code>{name}</code></td><td>s</td><td>{interval}</td><td></td><td>{text}</td></tr>\n"
+        )
+    };
+    let rows: String = d.clocks.iter().map(row).collect();
+    framed("Clocks (FMI 3.0)", &rows)
 }
 
 /// What stands before the first dot of the name; empty if there is none.
@@ -37,8 +51,13 @@ fn table<'a>(
     variables: impl Iterator<Item = &'a Variable>,
 ) -> String {
     let rows: String = variables.map(|v| row(d, v)).collect();
+    framed(title, &rows)
+}
+
+/// Rows with their title and head; nothing without rows.
+fn framed(title: &str, rows: &str) -> String {
     if rows.is_empty() {
-        return rows;
+        return String::new();
     }
     format!(
         "<h3>{title}</h3>\n<table class=\"variables\">\n<thead><tr><th>Name</th><th>Unit</th><th>Default</th><th>Range</th>\
