@@ -18,10 +18,8 @@ def assemble(folder: Path) -> str:
     """A package and its members, in their order, as one class."""
     own, annotation, rest = without_within(folder / "package.mo").partition("\n  annotation (")
     assert annotation, f"{folder}/package.mo has no annotation"
-    classes = (
-        without_within(folder / f"{name}.mo") if (folder / f"{name}.mo").is_file() else assemble(folder / name)
-        for name in members(folder)
-    )
+    files = [(folder / name, folder / f"{name}.mo") for name in members(folder)]
+    classes = (without_within(file) if file.is_file() else assemble(package) for package, file in files)
     return own + "\n" + "".join(classes) + annotation + rest
 
 

@@ -1,4 +1,4 @@
-"""The Modelica package: its plant in two Modelica tools against the FMU, its controller's C interface against the FMU."""
+"""The Modelica package against the FMUs: its plant in two tools, its controller by its C interface."""
 
 import ctypes
 import re
@@ -11,7 +11,7 @@ from fmpy import simulate_fmu
 
 from conftest import fmu
 from fmus import CoSimulation
-from modelica_package import PACKAGE, STAND_IN, assemble, members, source
+from modelica_package import PACKAGE, STAND_IN, members, source
 
 STOP, STEP_TIME = 2.0, 0.5
 BEFORE, AFTER = 3.1, 3.5
@@ -47,7 +47,7 @@ def compare(tool: str, version: str, time: np.ndarray, native: dict[str, np.ndar
     ]
     assert len(common) > 150
     theirs, ours = map(list, zip(*common, strict=True))
-    differences = {name: float(np.max(np.abs(reference[name][theirs] - native[name][ours]))) for name in native}
+    differences = {n: float(np.max(np.abs(reference[n][theirs] - native[n][ours]))) for n in native}
     moved = np.ptp(reference["angle"])
     print(f"\n{tool} against {version}: {differences} in rad, rad/s, A2 over {moved:.3f} rad")
     assert moved > 0.05
@@ -73,11 +73,22 @@ def test_a_second_tool_simulates_the_plant_like_the_fmu(version):
     from modelica.lang import parse
     from modelica.sim import causalize, flatten, simulate
 
-    system = causalize(flatten(parse(source()), "FlexArm.Examples.TorqueStep"))
-    result = simulate(system, (0.0, STOP), rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, STOP, 201))
-    names = ("angle", "velocity", "thermal_load")
-    native = {name: np.asarray(result[f"plant.{name}"]) for name in names}
-    compare("modelica", version, np.asarray(result.t), native)
+    # It binds no arrays of records to each other, as Plant does: motor and arm, connected here.
+    step = f"""
+model TorqueStep
+  FlexArm.Components.Motor motor;
+  FlexArm.Components.Arm arm(arm(damping = 0.5));
+equation
+  motor.torque = if time < {STEP_TIME} then {BEFORE} else {AFTER};
+  connect(motor.flange, arm.flange_a);
+end TorqueStep;
+"""
+    system = causalize(flatten(parse(source() + step), "TorqueStep"))
+    times = np.linspace(0, STOP, 201)
+    result = simulate(system, stop=STOP, tolerance=1e-10, absolute=1e-12, times=times)
+    names = {"angle": "arm.angle", "velocity": "arm.velocity", "thermal_load": "motor.thermal_load"}
+    native = {name: np.asarray(result[path]) for name, path in names.items()}
+    compare("modelica", version, np.asarray(result.time), native)
 
 
 @pytest.mark.parametrize("name", PLANT)
@@ -102,7 +113,8 @@ def test_every_class_has_an_icon_and_a_documentation_and_stands_in_its_order():
     for path in PACKAGE.rglob("*.mo"):
         text = path.read_text()
         within = text.partition("\n")[0]
-        expected = ".".join(("FlexArm", *path.relative_to(PACKAGE).parts[: -2 if path.stem == "package" else -1]))
+        outer = path.relative_to(PACKAGE).parts[: -2 if path.stem == "package" else -1]
+        expected = ".".join(("FlexArm", *outer))
         assert within == ("within;" if path == PACKAGE / "package.mo" else f"within {expected};"), path
         assert "Documentation(info" in text, f"{path} is not documented"
         is_type = path.parent.name == "Types" and path.stem != "package"
@@ -137,7 +149,8 @@ class Wrapper:
         lists = []
         for name, kind in (("real", ctypes.c_double), ("integer", ctypes.c_int), ("boolean", ctypes.c_int)):
             references = contract[f"{name}Parameters"]
-            lists += [ints(references), (kind * len(references))(*values[name]), ctypes.c_size_t(len(references))]
+            count = len(references)
+            lists += [ints(references), (kind * count)(*values[name]), ctypes.c_size_t(count)]
         self.reals, self.integers = len(contract["realOutputs"]), len(contract["integerOutputs"])
         self.object = self.c.construct(
             str(libraries or PACKAGE / "Resources" / "Library").encode(),
@@ -215,12 +228,26 @@ def test_the_generated_defaults_are_those_of_the_fmu():
     """What Modelica hands over by default: the values of the records, against the FMU's start values."""
     with CoSimulation(fmu("fmi2", "FlexArmController")) as unit:
         expected = start_values(unit)
-    arm = (PACKAGE / "Parameters" / "Arm.mo").read_text()
-    assert float(re.search(r"Real inertia\(.*?\) = (\S+) ", arm).group(1)) in expected["real"]
-    functions = assemble(PACKAGE)
+    functions = (PACKAGE / "Internal" / "Contract.mo").read_text()
     for kind, values in expected.items():
         body = functions.split(f"function {kind}s ")[1].split(f"end {kind}s;")[0]
-        assert f"values[{len(values)}]" in body
+        paths = re.findall(r":= (?:Integer\()?parameters\.([\w.]+)", body)
+        assert [value for path in paths for value in default(path)] == values
+
+
+def default(path: str) -> list:
+    """The default of a parameter in its record, as the C interface takes it."""
+    group, _, name = path.rpartition(".")
+    record = PACKAGE / "Parameters" / f"{group.strip('_').capitalize() or 'TFlex'}.mo"
+    declaration = rf'^  parameter \S+ {name}(?:\[\d+\])?(?:\([^"]*(?:"[^"]*"[^"]*)?\))? = (.*?) "'
+    text = re.search(declaration, record.read_text(), re.MULTILINE).group(1)
+    if text.startswith("FlexArm.Types."):
+        *_, kind, item = text.split(".")
+        items = re.findall(r"^    (\w+) \"", (PACKAGE / "Types" / f"{kind}.mo").read_text(), re.MULTILINE)
+        return [items.index(item) + 1]
+    if text in ("true", "false"):
+        return [int(text == "true")]
+    return [float(value) for value in text.strip("{}").split(", ")]
 
 
 def test_errors_end_the_simulation_with_the_binarys_own_words(wrapper, tmp_path):

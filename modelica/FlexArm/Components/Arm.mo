@@ -12,12 +12,18 @@ model Arm "Flexure arm: inertia, damping, stiffness, cogging and Dahl hysteresis
   Modelica.Units.SI.AngularVelocity velocity(start = velocity_start, fixed = true, stateSelect = StateSelect.always) "Angular velocity";
   Real hysteresis_state(unit = "1", start = 0, fixed = true) "State z of the Dahl hysteresis, between -1 and 1";
   Modelica.Units.SI.Torque position_torque "Torque g that holds the arm, hysteresis excluded";
+protected
+  Real sums[10](each unit = "N.m") "Position torque up to each harmonic";
 equation
   flange_a.phi = angle;
   flange_b.phi = angle;
   der(angle) = velocity;
-  position_torque = FlexArm.Internal.positionTorque(
-    angle, arm.stiffness, arm.offset, arm.cogging_frequency, arm.cogging_cos, arm.cogging_sin);
+  // g of eq 12, a harmonic at a time
+  sums[1] = arm.stiffness*angle + arm.offset;
+  for i in 1:9 loop
+    sums[i + 1] = sums[i] + arm.cogging_cos[i]*cos(i*arm.cogging_frequency*angle) + arm.cogging_sin[i]*sin(i*arm.cogging_frequency*angle);
+  end for;
+  position_torque = sums[10];
   // Eq 12
   arm.inertia*der(velocity) = flange_a.tau + flange_b.tau - arm.damping*velocity - position_torque - arm.hysteresis*hysteresis_state;
   // Eq 13; the absolute value has a kink at rest but no jump

@@ -3,6 +3,6 @@ package Internal "What the components are made of; not for use by others"
   extends Modelica.Icons.InternalPackage;
 
   annotation (Documentation(info = "<html>
-<p>The torque of a position, and the C interface of the controller's binary. Names and contents may change with any version.</p>
+<p>The C interface of the controller's binary. Names and contents may change with any version.</p>
 </html>"));
 end Internal;

@@ -119,7 +119,7 @@ pub fn add(controller: &ModelDescription, files: &mut Files) -> Result<(), Strin
         &body,
         "<p>Value references of the controller's FMI 2.0 description.</p>",
     );
-    let order = "positionTorque\nInstance\nexchange\nOutputs\nContract\n";
+    let order = "Instance\nexchange\nOutputs\nContract\n";
     files.insert("Internal/package.order".to_owned(), order.into());
     Ok(())
 }
