@@ -263,7 +263,9 @@ impl Controller {
                     self.apply_pending();
                     new_plan = true;
                 }
-                self.go_on_if_late();
+                if plan == When::Never {
+                    self.go_on_if_late();
+                }
             }
             ReferenceSource::Profile => {
                 let state = &mut self.state;
@@ -331,6 +333,10 @@ impl Controller {
     /// Where the next plan is not there in time the one in force goes on, to rest at its end.
     fn go_on_if_late(&mut self) {
         let state = &mut self.state;
+        if state.pending.is_some() {
+            // The memory is that of the new plan; until it applies its prediction counts on the move in force.
+            return;
+        }
         let since = (state.samples - state.in_force) as f64;
         let Some(age) = state.planner.age.filter(|_| since >= self.samples_per_plan) else {
             return;

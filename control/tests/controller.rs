@@ -405,3 +405,24 @@ fn plans_made_elsewhere_are_those_of_the_sample() {
         }
     }
 }
+
+/// While the measurement is held no plan is made; the next one waits for its latency, and until then the move in
+/// force goes on, with which its start was predicted.
+#[test]
+fn a_held_measurement_and_latency_leave_the_reference_at_rest() {
+    let mut settings = Settings::tflex();
+    settings.nmpc.latency = 100.0 * settings.sample_period;
+    let mut controller = Controller::new(&settings).expect("admissible");
+    for k in 0..1550 {
+        let held = (1000..1450).contains(&k);
+        let (angle, setpoint) = if held {
+            (f64::NAN, 1.2)
+        } else {
+            (1.2, if k < 1450 { 1.2 } else { 1.4 })
+        };
+        let reference = controller.sample(angle, setpoint).reference;
+        let moved = reference.velocity.abs().max((reference.angle - 1.2).abs());
+        assert!(moved < 1e-6, "{k}: {reference:?}");
+    }
+    assert!(controller.sample(1.2, 1.4).reference.acceleration > 1.0);
+}

@@ -1,5 +1,6 @@
 //! Model Exchange: the importer integrates, the instance answers for states, derivatives and events.
 
+use crate::clock::Ticks;
 use crate::instance::{Instance, Interface, rounding};
 use crate::legality::Mode;
 use crate::model::{Values, Variables};
@@ -98,6 +99,7 @@ impl<U: Unit> Instance<U> {
         if self.now.interface != Interface::ModelExchange {
             return Err(Failure("this is for Model Exchange".into()));
         }
+        self.now.ticks = Ticks::default();
         self.now.mode = Mode::ContinuousTime;
         Ok(())
     }
@@ -105,6 +107,7 @@ impl<U: Unit> Instance<U> {
     pub(crate) fn enter_step_mode(&mut self) -> Result<(), Failure> {
         match self.now.interface {
             Interface::EventfulCoSimulation => {
+                self.now.ticks = Ticks::default();
                 self.now.mode = Mode::Step;
                 Ok(())
             }

@@ -63,6 +63,44 @@ pub(crate) unsafe fn enter<U: Unit, T>(
         return Err(Status::Error);
     };
     handle.claim()?;
+    // SAFETY: claimed.
+    unsafe { carry_out(handle, name, row, body) }
+}
+
+/// [`enter`] that waits for a call under way, however long that takes: what `body` brings must not be lost.
+///
+/// # Safety
+/// As for [`enter`]; not from a callback of the same instance.
+pub(crate) unsafe fn enter_when_idle<U: Unit, T>(
+    handle: *mut c_void,
+    name: &'static str,
+    row: &Row,
+    body: impl FnOnce(&mut Instance<U>) -> Result<T, Failure>,
+) -> Result<T, Status> {
+    // SAFETY: by contract; nobody holds a unique reference to the handle.
+    let Some(handle) = (unsafe { handle.cast::<Handle<U>>().as_ref() }) else {
+        return Err(Status::Error);
+    };
+    while let Err(status) = handle.claim() {
+        if status == Status::Fatal {
+            return Err(status);
+        }
+        std::thread::yield_now();
+    }
+    // SAFETY: claimed.
+    unsafe { carry_out(handle, name, row, body) }
+}
+
+/// Carries out `body` and gives the claim back.
+///
+/// # Safety
+/// The handle is claimed.
+unsafe fn carry_out<U: Unit, T>(
+    handle: &Handle<U>,
+    name: &'static str,
+    row: &Row,
+    body: impl FnOnce(&mut Instance<U>) -> Result<T, Failure>,
+) -> Result<T, Status> {
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: the claim makes this the only reference to the instance.
         let instance = unsafe { &mut *handle.instance.get() };

@@ -73,6 +73,8 @@ pub(crate) struct Instance<U: Unit> {
     pub(crate) early_return_allowed: bool,
     /// FMI 3.0 Scheduled Execution.
     pub(crate) preemption: Preemption,
+    /// How many units there have been: a job belongs to the one that gave it.
+    pub(crate) generation: u64,
     /// Exists from the end of initialization on.
     pub(crate) unit: Option<U>,
     /// Model Exchange: continuous states before and after an event.
@@ -118,6 +120,7 @@ impl<U: Unit> Instance<U> {
             intermediate_update: None,
             early_return_allowed: false,
             preemption: Preemption::default(),
+            generation: 0,
             unit: None,
             states: [zeros(), zeros()],
             columns: model.directional_derivatives.then(Columns::new),
@@ -182,7 +185,10 @@ impl<U: Unit> Instance<U> {
         // What holds until the first event must not depend on who read it before.
         U::initial_outputs(&mut now.variables);
         match U::new(&mut now.variables, now.start) {
-            Ok(unit) => self.unit = Some(unit),
+            Ok(unit) => {
+                self.unit = Some(unit);
+                self.generation += 1;
+            }
             Err(mut failures) => {
                 let last = failures.pop();
                 for Failure(reason) in &failures {
@@ -210,6 +216,7 @@ impl<U: Unit> Instance<U> {
     /// Back to the start values. The log switches stay.
     pub(crate) fn reset(&mut self) {
         self.unit = None;
+        self.generation += 1;
         self.now = Situation::new(self.now.interface);
     }
 

@@ -104,7 +104,7 @@ impl<U: Unit> Instance<U> {
             self.now.time = step.end;
         }
         self.refresh();
-        let event = self.handles_events() && next < step.end + step.tolerance;
+        let event = self.handles_events() && self.is_due(next);
         Ok(Progress::Done { event })
     }
 

@@ -88,7 +88,7 @@ impl Unit for Plant {
     fn initial_outputs(variables: &mut Variables) {
         let (arm, motor, limits) = parameters(variables);
         let motion = initial_motion(variables);
-        let torque = motor.saturate(variables.torque);
+        let torque = finite(motor.saturate(variables.torque));
         write_outputs(variables, &arm, &motor, &motion, torque);
         write_margins(variables, &motor, &limits, &motion);
     }
@@ -229,7 +229,7 @@ impl Unit for Plant {
     }
 
     fn outputs(&self, variables: &mut Variables) {
-        let torque = self.motor_torque(variables.torque);
+        let torque = finite(self.motor_torque(variables.torque));
         write_outputs(
             variables,
             &self.arm,
@@ -290,6 +290,11 @@ impl Unit for Plant {
         self.count_until(time);
         self.state.unpublished > 0
     }
+}
+
+/// An input that is no number is refused where it would move the arm; until then it puts out no current.
+fn finite(torque: f64) -> f64 {
+    if torque.is_finite() { torque } else { 0.0 }
 }
 
 fn initial_motion(variables: &Variables) -> Motion {

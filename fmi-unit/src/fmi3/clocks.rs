@@ -4,7 +4,7 @@ use fmi_abi::fmi3::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use crate::clock::locate;
-use crate::guard::{Status, call, enter, uninterrupted};
+use crate::guard::{Status, call, enter, enter_when_idle, uninterrupted};
 use crate::legality::{ALWAYS, fmi3 as table};
 use crate::pointer::{slice, slice_mut};
 use crate::unit::{Failure, Unit};
@@ -125,16 +125,24 @@ pub unsafe fn fmi3ActivateModelPartition<U: Unit>(
                     )));
                 }
                 i.now.time = time;
-                i.act(|unit, variables, log| unit.activate(variables, clock, time, log))
+                let job =
+                    i.act(|unit, variables, log| unit.activate(variables, clock, time, log))?;
+                Ok(job.map(|job| (job, i.generation)))
             })
         })
         .and_then(|job| {
-            let Some(mut job) = job else { return Ok(()) };
+            let Some((mut job, generation)) = job else {
+                return Ok(());
+            };
             let worked = catch_unwind(AssertUnwindSafe(|| U::work(&mut job)));
             uninterrupted::<U, _>(instance, || {
-                enter::<U, _>(instance, name, &ALWAYS, |i| {
+                enter_when_idle::<U, _>(instance, name, &ALWAYS, |i| {
                     // Here it poisons the instance, as any panic.
                     worked.unwrap_or_else(|payload| resume_unwind(payload));
+                    if i.generation != generation {
+                        // It was reset meanwhile: the job is of a unit that is gone.
+                        return Ok(());
+                    }
                     i.act(|unit, variables, log| unit.complete(variables, job, log))
                 })
             })

@@ -280,3 +280,31 @@ fn states_of_other_interfaces_are_refused() {
     assert_eq!(s.save(&mut state), ERROR);
     s.assert_error(&["not allowed in Clock Activation Mode"]);
 }
+
+/// What was set but not carried out before Event Mode was left does not tick in the next one.
+#[test]
+fn ticks_do_not_outlive_event_mode() {
+    let s = Session::new(Version::Fmi3, Kind::ModelExchange);
+    s.initialize(0.0, None);
+    assert_eq!(s.set_clocks(&[FAST], &[1]), OK);
+    assert_eq!(s.enter_continuous_time(), OK);
+    assert_eq!(s.enter_event_mode(), OK);
+    assert_eq!(s.get_clock(FAST), Ok(false));
+    s.update_discrete().unwrap();
+    assert_eq!(s.get_int(SAMPLES), 0);
+}
+
+/// The job of a unit that is gone goes with it.
+#[test]
+fn a_reset_while_a_partition_works_drops_its_job() {
+    let s = std::rc::Rc::new(scheduled());
+    let inner = s.clone();
+    WORK.set(Some(Box::new(move || {
+        assert_eq!(inner.reset(), OK);
+        inner.initialize(0.0, None);
+    })));
+    assert_eq!(s.set(U, 3.0), OK);
+    assert_eq!(s.activate(SLOW, 0.0), OK);
+    WORK.set(None);
+    assert_eq!(s.get(X), 0.0);
+}

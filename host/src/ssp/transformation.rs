@@ -75,7 +75,12 @@ impl Transformation {
             self.map.iter().map(|(from, _)| *from).collect::<Vec<_>>()
         };
         let follow = |from| Some((from, next.apply(self.apply(from)?)?));
-        Self::mapping(entries.into_iter().filter_map(follow).collect())
+        let mut met: Vec<_> = entries.into_iter().filter_map(follow).collect();
+        if met.is_empty() {
+            // No value gets through; no entries at all would let every one through.
+            met.push((f64::NAN, f64::NAN));
+        }
+        Self::mapping(met)
     }
 }
 
@@ -163,6 +168,15 @@ mod tests {
     fn unit(attributes: &str) -> Unit {
         let text = format!("<BaseUnit {attributes}/>");
         Unit::new(Document::parse(&text).unwrap().root_element()).unwrap()
+    }
+
+    #[test]
+    fn mappings_that_do_not_meet_let_nothing_through() {
+        let (first, second) = ([(0.0, 5.0)], [(1.0, 2.0)]);
+        let both =
+            Transformation::mapping(first.to_vec()).then(&Transformation::mapping(second.to_vec()));
+        assert!(!both.is_identity());
+        assert_eq!((both.apply(0.0), both.apply(1.0)), (None, None));
     }
 
     #[test]
