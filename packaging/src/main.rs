@@ -49,8 +49,8 @@ enum Command {
     Package {
         /// Carry binaries for 64-bit Windows, Linux and Linux on ARM, on systems since 2012
         ///
-        /// Fetches what it needs into target/toolchain, 0.6 GB: zig from PyPI and, for a standard
-        /// library that your compiler does not have, Debian's compiler.
+        /// Fetches what it needs into target/toolchain, 1.5 GB: zig from PyPI and, for a standard
+        /// library that your compiler does not have, Debian's compiler. See docs/platforms.md.
         #[arg(long)]
         all_platforms: bool,
     },

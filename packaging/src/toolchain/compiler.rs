@@ -44,7 +44,10 @@ impl Compiler {
     }
 
     /// Makes cargo link with mingw-w64, which also compiles what is in C: Debian's, or the installed one.
-    pub fn link_for_windows(&self, cargo: &mut Command, triple: &str) {
+    /// `flags` are those of the compiler, separated by U+001F.
+    pub fn link_for_windows(&self, cargo: &mut Command, flags: &mut OsString, triple: &str) {
+        // Equal sources give equal bytes only without the time; half of a DLL would be names.
+        flags.push("\x1f-Clink-arg=-Wl,--no-insert-timestamp\x1f-Cstrip=symbols");
         let mut gcc = PathBuf::from(format!("{MINGW}-gcc"));
         if let Self::Debian(folder) = self {
             let programs = folder.join("usr/bin");
@@ -60,8 +63,8 @@ impl Compiler {
         cargo.env(linker, gcc);
     }
 
-    /// Makes cargo use it. `flags` are those of the compiler, separated by U+001F.
-    pub fn set_up(&self, cargo: &mut Command, flags: &mut OsString) {
+    /// Makes cargo use it.
+    pub fn set_up(&self, cargo: &mut Command) {
         if let Self::Debian(folder) = self {
             cargo.env("RUSTC", folder.join("usr/bin/rustc"));
             let libraries = folder.join("usr/lib/x86_64-linux-gnu");
@@ -71,8 +74,6 @@ impl Compiler {
             // Building the standard library is not stable; this is what makes it possible at all.
             cargo.env("RUSTC_BOOTSTRAP", "1");
             cargo.arg("-Zbuild-std=std,panic_unwind");
-            // Without, a DLL holds and imports for all of the library, whether used or not.
-            flags.push("\x1f-Zfunction-sections=yes");
         }
     }
 }

@@ -77,11 +77,11 @@ impl Toolchain {
             } else {
                 let mut cargo = cargo::command(workspace);
                 cargo.args(["build", "--target", platform.portable]);
-                compiler.link_for_windows(&mut cargo, platform.portable);
+                compiler.link_for_windows(&mut cargo, &mut flags, platform.portable);
                 cargo
             };
             cargo.args(["--target-dir", BUILT]);
-            compiler.set_up(&mut cargo, &mut flags);
+            compiler.set_up(&mut cargo);
             cargo.env("CARGO_ENCODED_RUSTFLAGS", flags);
             let products = cargo::products(cargo, packages, platform.suffix)?;
             built.push((*platform, products));
