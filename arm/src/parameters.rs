@@ -113,6 +113,11 @@ impl Motor {
         self.continuous_current * self.continuous_current
     }
 
+    /// What a thermal load leaves below its limit, negative beyond it \[A²\] (eq 19).
+    pub fn thermal_margin(&self, thermal_load: f64) -> f64 {
+        self.thermal_limit() - thermal_load
+    }
+
     /// Notes every value that is not admissible in `errors`.
     pub fn validate(&self, errors: &mut Vec<Inadmissible>) {
         let mut positive = |name, value, lowest, unit| {
@@ -139,6 +144,11 @@ impl Limits {
     /// Whether `angle` lies within the limits.
     pub fn contains(&self, angle: f64) -> bool {
         (self.angle_lower..=self.angle_upper).contains(&angle)
+    }
+
+    /// What `angle` leaves above the lower and below the upper limit, negative beyond it \[rad\].
+    pub fn margins(&self, angle: f64) -> [f64; 2] {
+        [angle - self.angle_lower, self.angle_upper - angle]
     }
 
     /// Notes every value that is not admissible in `errors`.
@@ -203,5 +213,24 @@ mod tests {
         assert_eq!(motor.saturate(1e3), 35.3);
         assert_eq!(motor.saturate(-1e3), -35.3);
         assert_eq!(motor.saturate(1.0), 1.0);
+        assert_eq!([-1e3, 1.0, 1e3].map(|t| motor.passes(t)), [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn margins_are_negative_beyond_the_limits() {
+        let limits = Limits {
+            angle_lower: -0.5,
+            angle_upper: 1.0,
+        };
+        for (angle, margins) in [
+            (0.0, [0.5, 1.0]),
+            (1.5, [2.0, -0.5]),
+            (-0.75, [-0.25, 1.75]),
+        ] {
+            assert_eq!(limits.margins(angle), margins);
+            assert_eq!(limits.contains(angle), margins.iter().all(|m| *m >= 0.0));
+        }
+        let motor = Motor::tflex();
+        assert_eq!(motor.thermal_margin(motor.thermal_limit() + 2.0), -2.0);
     }
 }

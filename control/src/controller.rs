@@ -1,17 +1,17 @@
 //! One sample of the controller: a measured angle and a setpoint in, a motor torque out.
 
-use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, require, thermal};
+use arm::{Inadmissible, Limits, Motor, Parameters, hysteresis, thermal};
 
-use crate::feedback::{self, Feedback};
+use crate::feedback::Feedback;
 use crate::latency::Prediction;
 use crate::nmpc::grid::Grid;
 use crate::nmpc::plan::{Plan, PlanStatus};
 use crate::nmpc::planner::Planner;
 use crate::nmpc::problem::{FeedbackModel, Initial};
-use crate::nmpc::settings;
 use crate::nmpc::solver::Clock;
 use crate::planning::{Origin, Planning, When};
 use crate::profile::{self, Profile};
+use crate::settings::{ReferenceSource, Settings};
 use crate::state::{Command, Pending, State};
 use crate::{Reference, feedforward};
 
@@ -21,38 +21,6 @@ pub const LARGEST_ANGLE: f64 = 1e6;
 /// Whether an angle or setpoint \[rad\] can be worked with: a number of at most [`LARGEST_ANGLE`].
 pub fn usable(input: f64) -> bool {
     input.abs() <= LARGEST_ANGLE
-}
-
-/// Who makes the reference.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReferenceSource {
-    /// The nonlinear model predictive controller (sec 3.2.3).
-    Nmpc,
-    /// The third-order profile (sec 4.2).
-    Profile,
-}
-
-/// Set-up of a controller.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// The arm as the controller knows it.
-    pub arm: Parameters,
-    /// The motor.
-    pub motor: Motor,
-    /// Hard limits of the joint.
-    pub limits: Limits,
-    /// Period Δ between two samples \[s\].
-    pub sample_period: f64,
-    /// Thermal load at the start \[A²\].
-    pub initial_thermal_load: f64,
-    /// Who makes the reference.
-    pub reference: ReferenceSource,
-    /// Peak acceleration of the profile \[rad/s²\] (eq 35).
-    pub profile_max_acceleration: f64,
-    /// The planner.
-    pub nmpc: settings::Settings,
-    /// The feedback.
-    pub feedback: feedback::Settings,
 }
 
 /// The controller of sec 3.2.
@@ -96,7 +64,7 @@ impl Controller {
         arm.validate(&mut errors);
         motor.validate(&mut errors);
         limits.validate(&mut errors);
-        validate_own(settings, &mut errors);
+        settings.validate_own(&mut errors);
         let feedback = Feedback::new(feedback, *sample_period)
             .map_err(|reasons| errors.extend(reasons))
             .ok();
@@ -373,34 +341,6 @@ impl Controller {
             goal: state.goal,
             setpoint,
         }
-    }
-}
-
-/// Notes in `errors` what is not admissible among the settings that belong to no part of the controller.
-fn validate_own(settings: &Settings, errors: &mut Vec<Inadmissible>) {
-    let sample_period = settings.sample_period;
-    require(errors, "sample_period", sample_period, [1e-6, 1.0], "s");
-    require(
-        errors,
-        "initial.thermal_load",
-        settings.initial_thermal_load,
-        [0.0, 1e9],
-        "A2",
-    );
-    require(
-        errors,
-        "profile.max_acceleration",
-        settings.profile_max_acceleration,
-        [1e-6, 1e6],
-        "rad/s2",
-    );
-    if settings.nmpc.period < sample_period {
-        errors.push(Inadmissible {
-            name: "nmpc.period",
-            value: settings.nmpc.period,
-            admissible: format!(">= sample_period = {sample_period}"),
-            unit: "s",
-        });
     }
 }
 

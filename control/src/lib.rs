@@ -23,9 +23,11 @@ pub mod profile;
 mod reference;
 pub mod riccati;
 mod sets;
+mod settings;
 mod state;
 
-pub use controller::{Controller, LARGEST_ANGLE, ReferenceSource, Settings, usable};
+pub use controller::{Controller, LARGEST_ANGLE, usable};
 pub use planning::{Planning, When};
 pub use reference::Reference;
+pub use settings::{ReferenceSource, Settings};
 pub use state::{Command, State};

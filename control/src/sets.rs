@@ -2,10 +2,10 @@
 
 use arm::{Limits, Motor, Parameters};
 
-use crate::controller::{ReferenceSource, Settings};
 use crate::feedback::{self, Design, Gains, Law};
 use crate::nmpc::problem::Weights;
 use crate::nmpc::settings;
+use crate::settings::{ReferenceSource, Settings};
 
 impl Settings {
     /// The T-flex (sec 4.1.1).

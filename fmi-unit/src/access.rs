@@ -1,22 +1,12 @@
 //! Reading and writing of variables by value reference, in the types of either version.
 
-use std::ffi::c_int;
 use std::fmt;
-use std::marker::PhantomData;
 
 use crate::instance::Instance;
 use crate::legality::Mode;
-use crate::model::{Causality, Kind, Values, ValuesMut, Variability, Variable, Variables};
+use crate::model::{Causality, Values, ValuesMut, Variability, Variable, Variables};
+use crate::transfer::{Element, Transfer};
 use crate::unit::{Failure, Unit};
-
-/// One element of a variable.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Element {
-    Float64(f64),
-    Int32(i32),
-    Boolean(bool),
-    Enumeration(i64),
-}
 
 /// What a value reference names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,108 +15,6 @@ pub(crate) enum Addressing {
     Elements,
     /// FMI 3.0: a variable with all its elements.
     Variables,
-}
-
-/// A type in which functions of the C interface pass values.
-pub(crate) trait Transfer {
-    /// The C type.
-    type Foreign: Copy;
-    /// For the importer; `None` if this type does not carry such elements.
-    fn outward(element: Element) -> Option<Self::Foreign>;
-    /// From the importer, for a variable of some kind; `None` if this type does not carry it.
-    fn inward(value: Self::Foreign, kind: Kind) -> Option<Element>;
-}
-
-/// `fmi2Real` and `fmi3Float64`.
-pub(crate) enum Float64 {}
-impl Transfer for Float64 {
-    type Foreign = f64;
-    fn outward(element: Element) -> Option<f64> {
-        match element {
-            Element::Float64(value) => Some(value),
-            _ => None,
-        }
-    }
-    fn inward(value: f64, kind: Kind) -> Option<Element> {
-        (kind == Kind::Float64).then_some(Element::Float64(value))
-    }
-}
-
-/// `fmi2Integer`, which carries enumerations as well.
-pub(crate) enum Integer {}
-impl Transfer for Integer {
-    type Foreign = c_int;
-    fn outward(element: Element) -> Option<c_int> {
-        match element {
-            Element::Int32(value) => Some(value),
-            Element::Enumeration(value) => c_int::try_from(value).ok(),
-            _ => None,
-        }
-    }
-    fn inward(value: c_int, kind: Kind) -> Option<Element> {
-        match kind {
-            Kind::Int32 => Some(Element::Int32(value)),
-            Kind::Enumeration => Some(Element::Enumeration(value.into())),
-            _ => None,
-        }
-    }
-}
-
-/// `fmi3Int32`.
-pub(crate) enum Int32 {}
-impl Transfer for Int32 {
-    type Foreign = i32;
-    fn outward(element: Element) -> Option<i32> {
-        match element {
-            Element::Int32(value) => Some(value),
-            _ => None,
-        }
-    }
-    fn inward(value: i32, kind: Kind) -> Option<Element> {
-        (kind == Kind::Int32).then_some(Element::Int32(value))
-    }
-}
-
-/// `fmi3Int64`, which carries enumerations.
-pub(crate) enum Int64 {}
-impl Transfer for Int64 {
-    type Foreign = i64;
-    fn outward(element: Element) -> Option<i64> {
-        match element {
-            Element::Enumeration(value) => Some(value),
-            _ => None,
-        }
-    }
-    fn inward(value: i64, kind: Kind) -> Option<Element> {
-        (kind == Kind::Enumeration).then_some(Element::Enumeration(value))
-    }
-}
-
-/// `fmi2Boolean` with `T` = `c_int` and `fmi3Boolean` with `T` = `u8`; anything but zero is true.
-pub(crate) struct Boolean<T>(PhantomData<T>);
-impl<T: Copy + From<bool> + PartialEq> Transfer for Boolean<T> {
-    type Foreign = T;
-    fn outward(element: Element) -> Option<T> {
-        match element {
-            Element::Boolean(value) => Some(value.into()),
-            _ => None,
-        }
-    }
-    fn inward(value: T, kind: Kind) -> Option<Element> {
-        (kind == Kind::Boolean).then(|| Element::Boolean(value != T::from(false)))
-    }
-}
-
-/// A type that no variable of a unit has.
-pub(crate) struct Absent<T>(PhantomData<T>);
-impl<T: Copy> Transfer for Absent<T> {
-    type Foreign = T;
-    fn outward(_: Element) -> Option<T> {
-        None
-    }
-    fn inward(_: T, _: Kind) -> Option<Element> {
-        None
-    }
 }
 
 impl<U: Unit> Instance<U> {

@@ -12,12 +12,13 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use crate::access::{Addressing, Transfer};
+use crate::access::Addressing;
 use crate::guard::call;
 use crate::legality::{ALWAYS, Row};
 use crate::pointer::{slice, slice_mut, string, target};
 use crate::sensitivity::Product;
 use crate::snapshot::Snapshot;
+use crate::transfer::Transfer;
 use crate::unit::{Failure, Unit};
 
 type Name = &'static str;

@@ -19,7 +19,6 @@ use fmi_abi::fmi2::*;
 use std::ffi::c_char;
 
 use crate::access::Addressing::Elements;
-use crate::access::{Absent, Boolean, Float64, Integer};
 use crate::common;
 use crate::guard::{call, create, enter, release};
 use crate::instance::{Instance, Interface};
@@ -28,6 +27,7 @@ use crate::logger::Logger;
 use crate::pointer::{slice, slice_mut, string, target};
 use crate::sensitivity::Product;
 use crate::step::Progress;
+use crate::transfer::{Absent, Boolean, Float64, Integer};
 use crate::unit::{Failure, Unit};
 
 pub fn fmi2GetTypesPlatform<U: Unit>() -> *const c_char {

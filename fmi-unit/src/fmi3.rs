@@ -19,24 +19,24 @@ use fmi_abi::fmi3::*;
 use std::ffi::c_char;
 
 use crate::access::Addressing;
-use crate::access::{Absent, Boolean, Float64, Int32, Int64};
 use crate::common;
-use crate::guard::{Preemption, call, create, release};
-use crate::instance::{Instance, Interface};
+use crate::guard::{call, release};
 use crate::legality::fmi3 as table;
-use crate::logger::Logger;
 use crate::model::Variables;
-use crate::pointer::{slice, slice_mut, string, target};
+use crate::pointer::{slice, slice_mut, target};
 use crate::sensitivity::Product;
+use crate::transfer::{Absent, Boolean, Float64, Int32, Int64};
 use crate::unit::Unit;
 
 mod absent;
 mod clocks;
 mod do_step;
+mod instantiate;
 
 pub use absent::*;
 pub use clocks::*;
 pub use do_step::fmi3DoStep;
+pub use instantiate::*;
 
 pub(crate) use do_step::IntermediateUpdate;
 
@@ -52,99 +52,6 @@ pub unsafe fn fmi3SetDebugLogging<U: Unit>(
 ) -> fmi3Status {
     let on = on != fmi3False;
     unsafe { common::set_debug_logging::<U>(instance, "fmi3SetDebugLogging", on, n, categories) }
-}
-
-pub unsafe fn fmi3InstantiateModelExchange<U: Unit>(
-    name: fmi3String,
-    token: fmi3String,
-    _resources: fmi3String,
-    _visible: fmi3Boolean,
-    logging: fmi3Boolean,
-    environment: fmi3InstanceEnvironment,
-    log: fmi3LogMessageCallback,
-) -> fmi3Instance {
-    let logger = Logger::fmi3(log, environment);
-    create("fmi3InstantiateModelExchange", logger, |logger| {
-        let (name, token) = unsafe { (string(name), string(token)) };
-        let logging = logging != fmi3False;
-        let interface = Interface::ModelExchange;
-        Instance::<U>::new(
-            logger,
-            name.as_deref(),
-            token.as_deref(),
-            interface,
-            logging,
-        )
-    })
-}
-
-pub unsafe fn fmi3InstantiateCoSimulation<U: Unit>(
-    name: fmi3String,
-    token: fmi3String,
-    _resources: fmi3String,
-    _visible: fmi3Boolean,
-    logging: fmi3Boolean,
-    event_mode_used: fmi3Boolean,
-    early_return_allowed: fmi3Boolean,
-    _required_intermediate_variables: *const fmi3ValueReference,
-    _n_required_intermediate_variables: usize,
-    environment: fmi3InstanceEnvironment,
-    log: fmi3LogMessageCallback,
-    intermediate_update: fmi3IntermediateUpdateCallback,
-) -> fmi3Instance {
-    let logger = Logger::fmi3(log, environment);
-    create("fmi3InstantiateCoSimulation", logger, |logger| {
-        let (name, token) = unsafe { (string(name), string(token)) };
-        let logging = logging != fmi3False;
-        let interface = if event_mode_used == fmi3False {
-            Interface::CoSimulation
-        } else {
-            Interface::EventfulCoSimulation
-        };
-        let mut instance = Instance::<U>::new(
-            logger,
-            name.as_deref(),
-            token.as_deref(),
-            interface,
-            logging,
-        )?;
-        instance.early_return_allowed = early_return_allowed != fmi3False;
-        instance.intermediate_update = intermediate_update.map(|callback| IntermediateUpdate {
-            callback,
-            environment,
-            early_return_allowed: early_return_allowed != fmi3False,
-        });
-        Ok(instance)
-    })
-}
-
-pub unsafe fn fmi3InstantiateScheduledExecution<U: Unit>(
-    name: fmi3String,
-    token: fmi3String,
-    _resources: fmi3String,
-    _visible: fmi3Boolean,
-    logging: fmi3Boolean,
-    environment: fmi3InstanceEnvironment,
-    log: fmi3LogMessageCallback,
-    _clock_update: fmi3ClockUpdateCallback,
-    lock: fmi3LockPreemptionCallback,
-    unlock: fmi3UnlockPreemptionCallback,
-) -> fmi3Instance {
-    let logger = Logger::fmi3(log, environment);
-    create("fmi3InstantiateScheduledExecution", logger, |logger| {
-        let (name, token) = unsafe { (string(name), string(token)) };
-        let logging = logging != fmi3False;
-        let interface = Interface::ScheduledExecution;
-        let mut instance = Instance::<U>::new(
-            logger,
-            name.as_deref(),
-            token.as_deref(),
-            interface,
-            logging,
-        )?;
-        instance.preemption = Preemption { lock, unlock };
-        Ok(instance)
-    })
 }
 
 pub unsafe fn fmi3FreeInstance<U: Unit>(instance: fmi3Instance) {

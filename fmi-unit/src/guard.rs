@@ -58,10 +58,8 @@ pub(crate) unsafe fn enter<U: Unit, T>(
     row: &Row,
     body: impl FnOnce(&mut Instance<U>) -> Result<T, Failure>,
 ) -> Result<T, Status> {
-    // SAFETY: by contract; nobody holds a unique reference to the handle.
-    let Some(handle) = (unsafe { handle.cast::<Handle<U>>().as_ref() }) else {
-        return Err(Status::Error);
-    };
+    // SAFETY: by contract.
+    let handle = unsafe { find::<U>(handle)? };
     handle.claim()?;
     // SAFETY: claimed.
     unsafe { carry_out(handle, name, row, body) }
@@ -77,10 +75,8 @@ pub(crate) unsafe fn enter_when_idle<U: Unit, T>(
     row: &Row,
     body: impl FnOnce(&mut Instance<U>) -> Result<T, Failure>,
 ) -> Result<T, Status> {
-    // SAFETY: by contract; nobody holds a unique reference to the handle.
-    let Some(handle) = (unsafe { handle.cast::<Handle<U>>().as_ref() }) else {
-        return Err(Status::Error);
-    };
+    // SAFETY: by contract.
+    let handle = unsafe { find::<U>(handle)? };
     while let Err(status) = handle.claim() {
         if status == Status::Fatal {
             return Err(status);
@@ -89,6 +85,15 @@ pub(crate) unsafe fn enter_when_idle<U: Unit, T>(
     }
     // SAFETY: claimed.
     unsafe { carry_out(handle, name, row, body) }
+}
+
+/// What an instance pointer points to; an error if it is null.
+///
+/// # Safety
+/// As for [`enter`].
+unsafe fn find<'a, U: Unit>(handle: *mut c_void) -> Result<&'a Handle<U>, Status> {
+    // SAFETY: by contract; nobody holds a unique reference to the handle.
+    unsafe { handle.cast::<Handle<U>>().as_ref() }.ok_or(Status::Error)
 }
 
 /// Carries out `body` and gives the claim back.

@@ -96,7 +96,7 @@ impl<U: Unit> Instance<U> {
         logging: bool,
     ) -> Result<Self, Failure> {
         let model: &'static Model = U::Variables::MODEL;
-        Self::identify(logger, name, logging);
+        logger.identify(name.unwrap_or(model.name), model.log_categories, logging);
         if token != Some(model.token) {
             return Err(Failure(format!(
                 "the description is not that of this binary: its token is {}, not {}",
@@ -126,12 +126,6 @@ impl<U: Unit> Instance<U> {
             columns: model.directional_derivatives.then(Columns::new),
             reported: Vec::new(),
         })
-    }
-
-    /// Tells the logger whose messages it sends.
-    pub(crate) fn identify(logger: &mut Logger, name: Option<&str>, logging: bool) {
-        let model: &'static Model = U::Variables::MODEL;
-        logger.identify(name.unwrap_or(model.name), model.log_categories, logging);
     }
 
     /// Whether a call is in order; a tolerated one is reported the first time.

@@ -21,6 +21,7 @@ mod pointer;
 mod sensitivity;
 mod snapshot;
 mod step;
+mod transfer;
 
 // Named by the code that `export!` makes.
 #[doc(hidden)]

@@ -3,11 +3,13 @@
 //! Both are products with the matrix of partial derivatives, made column by column: one evaluation of
 //! [`Unit::tangent`] for each element of the knowns.
 
-use crate::access::{Addressing, Float64, element, elements, locate, store};
-use crate::access::{Element, Transfer};
+use std::fmt;
+
+use crate::access::{Addressing, element, elements, locate, store};
 use crate::instance::Instance;
 use crate::legality::Mode;
 use crate::model::{Causality, Kind, Variability, Variable, Variables};
+use crate::transfer::{Element, Float64, Transfer};
 use crate::unit::{Failure, Unit};
 
 /// Step of a difference, relative to the value: the cube root of the rounding.
@@ -56,6 +58,22 @@ pub(crate) enum Product {
     Adjoint,
 }
 
+/// What a variable is to a derivative.
+#[derive(Clone, Copy)]
+enum Role {
+    Unknown,
+    Known,
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unknown => "unknown",
+            Self::Known => "known",
+        })
+    }
+}
+
 impl<U: Unit> Instance<U> {
     /// Multiplies the partial derivatives of the unknowns by the knowns with `seed`. O(elements of knowns ·
     /// (cost of the right-hand side + elements of unknowns)).
@@ -67,33 +85,48 @@ impl<U: Unit> Instance<U> {
         sensitivity: &mut [f64],
         addressing: Addressing,
     ) -> Result<(), Failure> {
-        if !U::Variables::MODEL.directional_derivatives {
+        let Some(mut room) = self.columns.take() else {
             return Err(Failure("derivatives are not provided".into()));
-        }
+        };
+        let outcome = self.multiply(
+            &mut room,
+            product,
+            [unknowns, knowns],
+            seed,
+            sensitivity,
+            addressing,
+        );
+        self.columns = Some(room);
+        outcome
+    }
+
+    fn multiply(
+        &mut self,
+        room: &mut Columns<U::Variables>,
+        product: Product,
+        [unknowns, knowns]: [&[u32]; 2],
+        seed: &[f64],
+        sensitivity: &mut [f64],
+        addressing: Addressing,
+    ) -> Result<(), Failure> {
         let (rows, columns) = match product {
             Product::Directional => (sensitivity.len(), seed.len()),
             Product::Adjoint => (seed.len(), sensitivity.len()),
         };
-        self.check(unknowns, rows, addressing, "unknown")?;
-        self.check(knowns, columns, addressing, "known")?;
+        self.check(unknowns, rows, addressing, Role::Unknown)?;
+        self.check(knowns, columns, addressing, Role::Known)?;
         self.refresh();
-        let Some(mut room) = self.columns.take() else {
-            return Err(Failure("derivatives are not provided".into()));
-        };
         sensitivity.fill(0.0);
-        let mut outcome = Ok(());
         for (j, (known, index)) in elements::<U>(knowns, addressing).enumerate() {
-            let column = self.column(&mut room, known, index, elements::<U>(unknowns, addressing));
+            let column = self.column(room, known, index, elements::<U>(unknowns, addressing));
             for (i, partial) in column.enumerate() {
-                match (partial, product) {
-                    (Err(failure), _) => outcome = Err(failure),
-                    (Ok(partial), Product::Directional) => sensitivity[i] += partial * seed[j],
-                    (Ok(partial), Product::Adjoint) => sensitivity[j] += partial * seed[i],
+                match product {
+                    Product::Directional => sensitivity[i] += partial? * seed[j],
+                    Product::Adjoint => sensitivity[j] += partial? * seed[i],
                 }
             }
         }
-        self.columns = Some(room);
-        outcome
+        Ok(())
     }
 
     /// Partial derivatives of `unknowns` by one known.
@@ -146,7 +179,7 @@ impl<U: Unit> Instance<U> {
         references: &[u32],
         count: usize,
         addressing: Addressing,
-        role: &str,
+        role: Role,
     ) -> Result<(), Failure> {
         let model = U::Variables::MODEL;
         let initial = matches!(self.now.mode, Mode::Instantiated | Mode::Initialization);
@@ -160,12 +193,12 @@ impl<U: Unit> Instance<U> {
             );
             let continuous = variable.variability == Variability::Continuous;
             let admissible = match (role, variable.causality) {
-                ("known", Causality::Input) => continuous,
-                ("known", Causality::Parameter) => initial,
-                ("known", _) => is_state && !initial,
-                (_, Causality::Output) => continuous,
-                (_, Causality::Local) => is_derivative || is_state && initial,
-                _ => false,
+                (Role::Known, Causality::Input) => continuous,
+                (Role::Known, Causality::Parameter) => initial,
+                (Role::Known, _) => is_state && !initial,
+                (Role::Unknown, Causality::Output) => continuous,
+                (Role::Unknown, Causality::Local) => is_derivative || is_state && initial,
+                (Role::Unknown, _) => false,
             };
             if !admissible || variable.kind != Kind::Float64 {
                 let (name, mode) = (variable.name, self.now.mode);

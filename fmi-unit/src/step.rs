@@ -14,6 +14,8 @@ pub(crate) struct Step {
     tolerance: f64,
     /// It ends before its time: the importer asked for it, or an event needs it.
     shortened: bool,
+    /// Whether the importer lets it end before its time.
+    may_end_early: bool,
     /// Whether the importer handles events itself and lets steps end at them.
     ends_at_events: bool,
 }
@@ -36,6 +38,10 @@ impl Step {
             self.end = end;
             self.shortened = true;
         }
+    }
+
+    pub(crate) fn may_end_early(&self) -> bool {
+        self.may_end_early
     }
 
     pub(crate) fn is_shortened(&self) -> bool {
@@ -76,6 +82,7 @@ impl<U: Unit> Instance<U> {
             end: end.max(time),
             tolerance: f64::min(1e-3 * size, 1e-7) + rounding(end),
             shortened: false,
+            may_end_early: self.early_return_allowed,
             ends_at_events: self.handles_events() && self.early_return_allowed,
         })
     }

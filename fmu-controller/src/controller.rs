@@ -305,6 +305,19 @@ mod tests {
     use super::*;
     use fmi_unit::Variables as _;
 
+    /// Found by random calls: a start from no measurement put it out.
+    #[test]
+    fn an_angle_that_is_no_number_is_not_put_out() {
+        for angle in [f64::NAN, f64::INFINITY, -1e7] {
+            let mut variables = Variables {
+                angle,
+                ..Variables::default()
+            };
+            Controller::initial_outputs(&mut variables);
+            assert_eq!(variables.reference.angle, 0.0);
+        }
+    }
+
     #[test]
     fn clocks_are_those_of_the_contract() {
         let clocks = Variables::MODEL.clocks;

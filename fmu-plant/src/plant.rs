@@ -326,9 +326,8 @@ fn write_margins(
     motion: &Motion,
 ) {
     let margin = &mut variables.margin;
-    margin.angle_lower = motion.angle - limits.angle_lower;
-    margin.angle_upper = limits.angle_upper - motion.angle;
-    margin.thermal_load = motor.thermal_limit() - motion.thermal_load;
+    [margin.angle_lower, margin.angle_upper] = limits.margins(motion.angle);
+    margin.thermal_load = motor.thermal_margin(motion.thermal_load);
 }
 
 /// Everything that is linear in motion, motor torque \[N·m\] and derivatives: values, or changes of them.
@@ -375,4 +374,28 @@ fn parameters(variables: &Variables) -> (arm::Parameters, arm::Motor, arm::Limit
             angle_upper: l.angle_upper,
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An importer may read outputs before it has set an input to a number.
+    #[test]
+    fn a_torque_that_is_no_number_puts_out_no_current() {
+        let mut variables = Variables {
+            torque: f64::NAN,
+            ..Variables::default()
+        };
+        Plant::initial_outputs(&mut variables);
+        assert_eq!(variables.current, 0.0);
+        let plant = Plant::new(&mut variables, 0.0).expect("defaults");
+        variables.current = 7.0;
+        plant.outputs(&mut variables);
+        assert_eq!((variables.current, variables.angle), (0.0, 1.3));
+        // It is refused where it would move the arm.
+        let mut derivatives = [0.0; 4];
+        plant.derivatives(&variables, &mut derivatives);
+        assert!(derivatives[1].is_nan());
+    }
 }

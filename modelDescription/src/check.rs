@@ -1,5 +1,6 @@
 //! Rules that a model description must keep beyond the schema, each reported with its line.
 
+mod clocks;
 mod structure;
 mod variables;
 
@@ -9,6 +10,7 @@ use crate::xml::Reader;
 /// Reports everything that is inconsistent.
 pub(crate) fn check(description: &ModelDescription, reader: &mut Reader) {
     variables::check(description, reader);
+    clocks::check(description, reader);
     structure::check(description, reader);
 }
 

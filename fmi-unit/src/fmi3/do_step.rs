@@ -23,18 +23,16 @@ pub(crate) struct IntermediateUpdate {
         *mut fmi3Float64,
     ),
     pub(crate) environment: fmi3InstanceEnvironment,
-    pub(crate) early_return_allowed: bool,
 }
 
 impl IntermediateUpdate {
     /// Lets the importer look at the outputs of `time` \[s\]; returns when it wants the step to end, if
-    /// it may and does.
+    /// that is allowed and it does.
     ///
     /// # Safety
     /// The importer's callback and environment are still valid.
-    unsafe fn call(&self, time: f64) -> Option<f64> {
+    unsafe fn call(&self, time: f64, allowed: bool) -> Option<f64> {
         let (mut requested, mut end) = (fmi3False, time);
-        let allowed = self.early_return_allowed.into();
         let (set, get, finished) = (fmi3False, fmi3True, fmi3True);
         // SAFETY: called as the standard says; the out-parameters live here.
         unsafe {
@@ -44,12 +42,12 @@ impl IntermediateUpdate {
                 set,
                 get,
                 finished,
-                allowed,
+                allowed.into(),
                 &raw mut requested,
                 &raw mut end,
             );
         }
-        (self.early_return_allowed && requested != fmi3False).then_some(end)
+        (allowed && requested != fmi3False).then_some(end)
     }
 }
 
@@ -108,7 +106,8 @@ pub unsafe fn fmi3DoStep<U: Unit>(
                         return Ok(());
                     }
                 };
-                if let Some(end) = update.and_then(|update| update.call(time)) {
+                if let Some(end) = update.and_then(|update| update.call(time, step.may_end_early()))
+                {
                     step.end_early(end, time);
                 }
             }

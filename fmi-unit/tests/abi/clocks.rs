@@ -1,6 +1,12 @@
 //! FMI 3.0: Event Mode in Co-Simulation, clocks that the importer ticks, and Scheduled Execution.
 
 use std::cell::Cell;
+use std::ffi::{c_char, c_int, c_void};
+use std::ptr::null;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use fmi_unit::fmi3;
 
 use crate::session::*;
 use crate::toy::*;
@@ -57,6 +63,20 @@ fn events_inside_a_step_are_the_units_own_if_it_may_not_return_early() {
         s.step_to_event(0.35, 0.05),
         (true, false, 0.39999999999999997)
     );
+}
+
+/// An event that Event Mode would not find due is not announced, however near it is.
+#[test]
+fn events_are_announced_when_they_are_due() {
+    let s = eventful(true);
+    s.update_discrete().unwrap();
+    assert_eq!(s.enter_step_mode(), OK);
+    let before = 0.1 - 5e-8;
+    assert_eq!(s.step_to_event(0.0, before), (false, false, before));
+    assert_eq!(s.step_to_event(before, 0.05), (true, true, 0.1));
+    assert_eq!(s.enter_event_mode(), OK);
+    assert_eq!(s.update_discrete(), Ok((false, false, Some(0.2))));
+    assert_eq!(s.get_int(SAMPLES), 2);
 }
 
 /// The same trajectory in both, as the inputs are the same.
@@ -307,4 +327,57 @@ fn a_reset_while_a_partition_works_drops_its_job() {
     assert_eq!(s.activate(SLOW, 0.0), OK);
     WORK.set(None);
     assert_eq!(s.get(X), 0.0);
+}
+
+/// Messages that the slow logger has begun to write.
+static WRITING: AtomicU32 = AtomicU32::new(0);
+
+unsafe extern "C" fn slow_log(_: *mut c_void, _: c_int, _: *const c_char, _: *const c_char) {
+    WRITING.fetch_add(1, Ordering::SeqCst);
+    std::thread::sleep(Duration::from_millis(300));
+}
+
+/// A finished job waits for a call of another thread, however long that holds the instance: here for a message.
+#[test]
+fn a_finished_job_is_not_lost_to_a_slow_call() {
+    let handle = unsafe {
+        let (name, token) = (c"toy".as_ptr(), c"{toy}".as_ptr());
+        let (log, environment) = (Some(slow_log as _), std::ptr::null_mut());
+        let (lock, unlock) = (Some(lock as _), Some(unlock as _));
+        fmi3::fmi3InstantiateScheduledExecution::<Toy>(
+            name,
+            token,
+            null(),
+            0,
+            1,
+            environment,
+            log,
+            None,
+            lock,
+            unlock,
+        )
+    };
+    let s = Session {
+        version: Version::Fmi3,
+        handle,
+        messages: Box::default(),
+    };
+    s.initialize(0.0, None);
+    let address = handle as usize;
+    WORK.set(Some(Box::new(move || {
+        std::thread::spawn(move || {
+            let (handle, nothing) = (address as *mut c_void, [0.0]);
+            let status = unsafe {
+                fmi3::fmi3SetFloat64::<Toy>(handle, [99].as_ptr(), 1, nothing.as_ptr(), 1)
+            };
+            assert_eq!(status, ERROR);
+        });
+        while WRITING.load(Ordering::SeqCst) == 0 {
+            std::thread::yield_now();
+        }
+    })));
+    assert_eq!(s.set(U, 3.0), OK);
+    assert_eq!(s.activate(SLOW, 0.0), OK);
+    WORK.set(None);
+    assert_eq!((s.get(X), WRITING.load(Ordering::SeqCst)), (6.0, 1));
 }

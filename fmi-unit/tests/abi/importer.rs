@@ -119,6 +119,7 @@ impl Session {
         let name = options.name.map_or(null(), CStr::as_ptr);
         let token = options.token.map_or(null(), CStr::as_ptr);
         let logging = options.logging;
+        let log = options.logger.then_some(log3 as _);
         let handle = match (version, kind) {
             (Version::Fmi2, kind) => {
                 let log2: unsafe extern "C" fn(_, _, _, _, _, _) = log2;
@@ -162,7 +163,6 @@ impl Session {
                 }
             }
             (Version::Fmi3, Kind::ModelExchange) => unsafe {
-                let log = options.logger.then_some(log3 as _);
                 fmi3::fmi3InstantiateModelExchange::<Toy>(
                     name,
                     token,
@@ -174,7 +174,6 @@ impl Session {
                 )
             },
             (Version::Fmi3, Kind::ScheduledExecution) => unsafe {
-                let log = options.logger.then_some(log3 as _);
                 fmi3::fmi3InstantiateScheduledExecution::<Toy>(
                     name,
                     token,
@@ -189,7 +188,6 @@ impl Session {
                 )
             },
             (Version::Fmi3, Kind::CoSimulation) => unsafe {
-                let log = options.logger.then_some(log3 as _);
                 fmi3::fmi3InstantiateCoSimulation::<Toy>(
                     name,
                     token,

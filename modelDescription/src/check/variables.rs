@@ -21,7 +21,6 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
     if d.model_exchange.is_none() && d.co_simulation.is_none() {
         r.report(1, "neither `ModelExchange` nor `CoSimulation` is offered");
     }
-    clocks(d, r);
     derivatives(d, r);
     experiment(d, r);
     unique(r, "unit", d.units.iter().map(|u| (&*u.name, u.line)));
@@ -46,38 +45,6 @@ pub(super) fn check(d: &ModelDescription, r: &mut Reader) {
                 format_args!("variable {}: {message}", variable.name),
             );
         }
-    }
-}
-
-/// Clocks come after all variables, so that neither owns a value reference of the other.
-fn clocks(d: &ModelDescription, r: &mut Reader) {
-    let variables = d.variables.iter().map(|v| (&*v.name, v.line));
-    let names = variables.chain(d.clocks.iter().map(|c| (&*c.name, c.line)));
-    unique(
-        r,
-        "clock or variable",
-        names.filter(|_| !d.clocks.is_empty()),
-    );
-    let mut last = d
-        .variables
-        .iter()
-        .map(|v| v.value_reference + (v.length() - 1))
-        .max();
-    for clock in &d.clocks {
-        let (name, reference) = (&clock.name, clock.value_reference);
-        if last.is_some_and(|last| reference <= last) {
-            let message = format!(
-                "clock {name}: value reference {reference} must be greater than those of all variables and \
-                 of the clocks before"
-            );
-            r.report(clock.line, message);
-        }
-        last = Some(reference);
-    }
-    if let Some(interface) = &d.scheduled_execution
-        && d.clocks.is_empty()
-    {
-        r.report(interface.line, "`ScheduledExecution` needs a clock");
     }
 }
 
@@ -121,7 +88,7 @@ fn experiment(d: &ModelDescription, r: &mut Reader) {
 }
 
 /// Reports names that occur twice.
-fn unique<'a>(r: &mut Reader, what: &str, names: impl Iterator<Item = (&'a str, u32)>) {
+pub(super) fn unique<'a>(r: &mut Reader, what: &str, names: impl Iterator<Item = (&'a str, u32)>) {
     let mut seen = BTreeMap::new();
     for (name, line) in names {
         if let Some(first) = seen.insert(name, line) {

@@ -1,5 +1,6 @@
 //! Every rule of a model description, broken once: the message must name the line and the culprit.
 
+mod clocks;
 mod structure;
 mod variables;
 
