@@ -20,6 +20,7 @@ pub mod output;
 pub mod run;
 pub mod ssp;
 pub mod table;
+mod whole;
 
 pub use error::Error;
 pub use run::{Order, Outcome, Prepared, Simulation, simulate, simulate_opened};

@@ -3,6 +3,13 @@
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 
+/// Name, value and unit of quantities.
+pub fn quantities(rows: Vec<[String; 3]>) -> Table {
+    let mut table = aligned(["quantity", "value", "unit"], [1]);
+    table.add_rows(rows);
+    table
+}
+
 /// An empty table; the columns at `numbers` are aligned to the right.
 pub fn aligned(
     header: impl IntoIterator<Item = impl Into<String>>,

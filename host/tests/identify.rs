@@ -10,6 +10,16 @@ use std::path::Path;
 
 const PERIOD: f64 = 1e-3;
 
+const IDENTIFY: [&str; 7] = [
+    "identify",
+    "--measurement",
+    "m.csv",
+    "--torque-timing",
+    "sampled",
+    "-o",
+    "out",
+];
+
 /// Angle and torque of an arm J = 0.2, d = 0.1, k = 3, o = −1, without friction and cogging: exact but for a
 /// small noise.
 fn signals(samples: usize) -> Vec<[f64; 3]> {
@@ -50,16 +60,7 @@ fn plain(samples: usize) -> String {
 fn identify(text: &str, more: &[&str]) -> Result<Vec<(String, f64)>, String> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.csv"), text).unwrap();
-    let command = [
-        "identify",
-        "--measurement",
-        "m.csv",
-        "--torque-timing",
-        "sampled",
-        "-o",
-        "out",
-    ];
-    let output = flexarm(folder.path(), &[&command, more].concat());
+    let output = flexarm(folder.path(), &[&IDENTIFY, more].concat());
     if !output.status.success() {
         assert_eq!(output.status.code(), Some(2), "{}", errors(&output));
         assert!(
@@ -326,16 +327,7 @@ fn numbers_are_written_with_their_errors() {
         .filter(|(k, _)| !(6000..6010).contains(k) && !(6030..6100).contains(k));
     let text = csv("time,angle,torque", kept.map(|(_, row)| row));
     fs::write(folder.path().join("m.csv"), text).unwrap();
-    let arguments = [
-        "identify",
-        "--measurement",
-        "m.csv",
-        "--torque-timing",
-        "sampled",
-        "-o",
-        "out",
-    ];
-    let output = flexarm(folder.path(), &arguments);
+    let output = flexarm(folder.path(), &IDENTIFY);
     assert!(output.status.success(), "{}", errors(&output));
     let found = errors(&output);
     assert!(

@@ -340,7 +340,10 @@ fn what_is_wrong_is_said_with_file_line_and_element() {
             &["--variant", "x"],
             "there are: SystemStructure (two mocks)",
         ),
-        (&["--until", "1"], "--until = 0: expected a run that lasts"),
+        (
+            &["--until", "1"],
+            "--until = 1: expected a time in [2, 1.000000001e9] s with steps of 1 s from 1 s on",
+        ),
     ] {
         let found = simulate(folder.path(), more).unwrap_err();
         assert!(found.contains(message), "{message}\n{found}");

@@ -28,7 +28,7 @@ pub enum Error {
     },
     /// A moment of inertia that is not positive.
     Inertia { value: f64, sigma: f64 },
-    /// Cogging frequencies \[1/rad\] that the measurement cannot show.
+    /// Cogging frequencies \[1/rad\] that the measurement cannot show: its angles \[rad\] span too little for them.
     FrequencyRange {
         given: [f64; 2],
         finest: f64,

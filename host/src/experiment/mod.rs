@@ -67,7 +67,7 @@ pub struct Run {
 }
 
 /// A name as part of a path: letters, digits, points, minus and underscores.
-pub(crate) fn folder_name(name: &str) -> String {
+fn folder_name(name: &str) -> String {
     let mut folder = String::new();
     for c in name.chars() {
         let plain = c.is_alphanumeric() || matches!(c, '.' | '_' | '-');

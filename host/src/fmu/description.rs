@@ -4,6 +4,7 @@
 //! [`super::fmi3_description`] translate. Scalars are addressed by name: an array `a` of FMI 3.0 has the
 //! elements `a[1]`, `a[2]`, … (`a[1,2]` in two dimensions), which is how FMI 2.0 spells them too.
 
+use super::structure::{Dependencies, Units};
 use super::text::{short, similar};
 use super::value::{Kind, Value};
 use std::collections::HashMap;
@@ -182,6 +183,8 @@ pub struct Description {
     pub default_experiment: DefaultExperiment,
     pub log_categories: Vec<String>,
     pub variables: Vec<Variable>,
+    pub units: Units,
+    pub dependencies: Dependencies,
     /// What its validation found. Shown, not refused: vendors' files are rarely spotless.
     pub problems: Vec<String>,
     pub(super) index: HashMap<String, usize>,
@@ -327,6 +330,8 @@ pub(crate) mod tests {
             default_experiment: DefaultExperiment::default(),
             log_categories: Vec::new(),
             variables,
+            units: Units::new(),
+            dependencies: Dependencies::new(),
             problems: Vec::new(),
             index,
         }

@@ -4,6 +4,7 @@ use super::description::{
     Causality, CoSimulation, DefaultExperiment, Description, Item, Variable, Version,
 };
 use super::reader;
+use super::structure::{Dependencies, Units};
 use super::value::Kind;
 use fmi_rs::model_description::ModelDescriptionError;
 use fmi_rs::model_description::fmi3::{self, TypeDefinition, VariableType};
@@ -45,6 +46,8 @@ pub(super) fn read(text: &str) -> Result<Description, ModelDescriptionError> {
         generation_tool: parsed.generationTool.unwrap_or_default(),
         generation_date: parsed.generationDateAndTime.unwrap_or_default(),
         variables,
+        units: Units::new(),
+        dependencies: Dependencies::new(),
         index: HashMap::new(),
     })
 }

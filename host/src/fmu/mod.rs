@@ -36,6 +36,7 @@ mod platform;
 mod reader;
 mod signals;
 mod status;
+mod structure;
 mod text;
 mod value;
 
@@ -53,8 +54,9 @@ pub use log::Message;
 pub(crate) use reader::describe;
 pub use signals::Signals;
 pub use status::Status;
+pub use structure::{Dependencies, Units};
 pub use text::short;
-pub(crate) use text::similar;
+pub(crate) use text::{hint, similar};
 pub use value::{Buffer, Kind, Value};
 
 use self::log::Environment;

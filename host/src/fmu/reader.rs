@@ -1,8 +1,9 @@
 //! Reads `modelDescription.xml` of either version.
 
 use super::description::{DefaultExperiment, Description, MAX_ELEMENTS};
-use super::{Error, fmi2_description, fmi3_description};
+use super::{Error, fmi2_description, fmi3_description, structure};
 use fmi_rs::model_description::ValidationError;
+use roxmltree::{Document, ParsingOptions};
 use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -30,18 +31,30 @@ pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
         file: file.to_owned(),
         reason,
     };
-    let version = fmi_version(&text).map_err(wrong)?;
-    let parsed = match version.as_str() {
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let document =
+        Document::parse_with_options(&text, options).map_err(|e| wrong(e.to_string()))?;
+    let root = document.root_element();
+    let version = root
+        .attribute("fmiVersion")
+        .ok_or_else(|| wrong("fmiVersion is missing".to_owned()))?;
+    let parsed = match version {
         "2.0" => fmi2_description::read(&text),
         v if v.starts_with("3.") => fmi3_description::read(&text),
         _ => {
             return Err(Error::Version {
                 file: file.to_owned(),
-                version,
+                version: version.to_owned(),
             });
         }
     };
     let mut description = parsed.map_err(|e| wrong(e.to_string()))?;
+    description.units = structure::units(root);
+    description.dependencies =
+        structure::dependencies(root, description.version, &description.variables);
     for (position, variable) in description.variables.iter().enumerate() {
         if variable.elements().is_none() {
             return Err(Error::ArraySize {
@@ -70,19 +83,6 @@ fn decode(bytes: Vec<u8>) -> String {
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|error| error.as_bytes().iter().map(|&b| char::from(b)).collect());
     text.trim_start_matches('\u{feff}').to_owned()
-}
-
-fn fmi_version(text: &str) -> Result<String, String> {
-    let options = roxmltree::ParsingOptions {
-        allow_dtd: true,
-        ..roxmltree::ParsingOptions::default()
-    };
-    let document =
-        roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
-    let version = document.root_element().attribute("fmiVersion");
-    version
-        .map(str::to_owned)
-        .ok_or_else(|| "fmiVersion is missing".to_owned())
 }
 
 /// Numbers of a default experiment.

@@ -23,6 +23,12 @@ pub(crate) fn similar<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> V
         .collect()
 }
 
+/// The most similar of [`similar`] names as the end of a message, if there is one.
+pub(crate) fn hint(similar: &[String]) -> String {
+    let most = similar.first();
+    most.map_or(String::new(), |most| format!(", did you mean {most}?"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! What an identification comes to: for people tables, for scripts JSON.
 
 use super::{Compared, Identified, Made};
-use crate::table::aligned;
+use crate::table::{aligned, quantities};
 use ::identification::Fit;
 use ::identification::regression::Order;
 use serde::{Deserialize, Serialize};
@@ -311,8 +311,7 @@ impl Summary {
     pub fn table(&self) -> String {
         let mut parameters = aligned(["parameter", "value", "sigma", "unit"], [1, 2]);
         parameters.add_rows(self.parameter_rows());
-        let mut rest = aligned(["quantity", "value", "unit"], [1]);
-        rest.add_rows(self.rows());
+        let rest = quantities(self.rows());
         format!("{}\n{}", parameters.trim_fmt(), rest.trim_fmt())
     }
 }

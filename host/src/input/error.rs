@@ -1,6 +1,7 @@
 //! What can be wrong with what the user gives.
 
 use super::{Place, Side};
+use crate::fmu::hint;
 use model_description::Diagnostic;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -204,9 +205,7 @@ impl fmt::Display for Error {
                     Some(side) => write!(f, "{place}: {side} has no variable {name}")?,
                     None => write!(f, "{place}: neither FMU has a variable {name}")?,
                 }
-                if let [most, ..] = similar.as_slice() {
-                    write!(f, ", did you mean {most}?")?;
-                }
+                f.write_str(&hint(similar))?;
                 list(f, "; there are: ", existing)
             }
             Self::Unrecorded {
@@ -216,9 +215,7 @@ impl fmt::Display for Error {
                 existing,
             } => {
                 write!(f, "{place}: no column {name} is recorded")?;
-                if let [most, ..] = similar.as_slice() {
-                    write!(f, ", did you mean {most}?")?;
-                }
+                f.write_str(&hint(similar))?;
                 list(f, "; there are: ", existing)
             }
             Self::Array {

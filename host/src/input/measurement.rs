@@ -12,8 +12,8 @@
 //! `results.csv` of `flexarm simulate` is such a file: its columns `plant.angle`, `controller.torque`,
 //! `controller.reference.angle`, `controller.feedforward_torque` and `controller.feedback_torque` are known.
 
+use super::rows::Rows;
 use super::{Error, Place, read_text};
-use csv::{ReaderBuilder, StringRecord, Trim};
 use identification::{Measurement, Segment, Timing};
 use std::path::Path;
 
@@ -87,50 +87,20 @@ const LONGEST_PERIOD: f64 = 0.02;
 /// spaced; a missing column; units that cannot be meant.
 pub fn read(path: &Path, options: &Options) -> Result<(Measurement, Signals), Error> {
     let text = read_text(path)?;
-    let mut reader = ReaderBuilder::new()
-        .trim(Trim::All)
-        .flexible(true)
-        .has_headers(false)
-        .from_reader(text.as_bytes());
-    let syntax = |error: csv::Error| Error::Syntax {
-        place: Place::new(
-            path.display().to_string(),
-            error.position().map(csv::Position::line),
-        ),
-        message: error.to_string(),
-    };
-    let mut record = StringRecord::new();
-    reader.read_record(&mut record).map_err(syntax)?;
-    let head = Place::in_file(path, 1);
-    let header: Vec<String> = record.iter().map(str::to_owned).collect();
+    let mut rows = Rows::new(&text, path.display().to_string())?;
+    let (head, header) = (rows.head(), rows.columns.clone());
     let found = positions(&head, &header, options)?;
     let factor = factor(&head, &header, &found, options)?;
     let mut values: [Vec<f64>; COLUMNS.len()] = Default::default();
     let mut lines = Vec::new();
-    while reader.read_record(&mut record).map_err(syntax)? {
-        let place = || Place::in_file(path, record.position().map_or(0, csv::Position::line));
-        if record.len() != header.len() {
-            return Err(Error::Columns {
-                place: place(),
-                found: record.len(),
-                expected: header.len(),
-            });
-        }
+    while rows.read()? {
+        rows.complete()?;
         for (column, position) in found.iter().enumerate() {
-            let Some(position) = position else { continue };
-            match record[*position].parse::<f64>() {
-                Ok(value) if value.is_finite() => values[column].push(value),
-                _ => {
-                    return Err(Error::Value {
-                        place: place(),
-                        name: header[*position].clone(),
-                        value: record[*position].to_owned(),
-                        expected: "a finite number".to_owned(),
-                    });
-                }
+            if let Some(position) = position {
+                values[column].push(rows.number(*position)?);
             }
         }
-        lines.push(record.position().map_or(0, csv::Position::line));
+        lines.push(rows.line());
     }
     if lines.is_empty() {
         return Err(Error::NoRows { place: head });

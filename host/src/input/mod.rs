@@ -6,6 +6,7 @@ pub mod measurement;
 pub mod parameters;
 mod place;
 pub mod roles;
+pub(crate) mod rows;
 pub mod setpoints;
 
 pub use error::Error;
@@ -22,6 +23,11 @@ pub enum Side {
     Controller,
     /// The plant.
     Plant,
+}
+
+impl Side {
+    /// Both, in the order in which they step.
+    pub const BOTH: [Self; 2] = [Self::Controller, Self::Plant];
 }
 
 impl fmt::Display for Side {

@@ -156,7 +156,7 @@ impl StartValues {
         let sides: &[Side] = match side {
             Some(Side::Controller) => &[Side::Controller],
             Some(Side::Plant) => &[Side::Plant],
-            None => &[Side::Controller, Side::Plant],
+            None => &Side::BOTH,
         };
         let mut given = false;
         let mut refusal = None;
@@ -199,7 +199,7 @@ impl StartValues {
         }
         // Connections spell it `plant.NAME`; here that counts if no variable has that very name.
         if side.is_none() {
-            for side in [Side::Controller, Side::Plant] {
+            for side in Side::BOTH {
                 let bare = name.strip_prefix(&side.to_string());
                 if let Some(bare) = bare.and_then(|rest| rest.strip_prefix('.')) {
                     return self.give(pair, place, Some(side), bare, text, unit);

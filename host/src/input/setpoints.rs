@@ -5,9 +5,10 @@
 //! \[s\] until the next one (zero-order hold). The first row is at time 0, times increase, and every value is
 //! a finite number, setpoints in the unit of the plant's angle (rad).
 
+use super::rows::{Rows, not_finite};
 use super::{Error, Pair, Place, Side, read_text};
 use crate::fmu::{Causality, Scalar, short};
-use csv::{ReaderBuilder, StringRecord, Trim};
+use csv::StringRecord;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -74,6 +75,12 @@ pub struct Row {
     pub values: Vec<f64>,
 }
 
+/// When the last row ends \[s\], which is taken to hold as long as the longest before it. None for a single row.
+pub fn end(rows: &[Row]) -> Option<f64> {
+    let held = rows.windows(2).map(|w| w[1].time - w[0].time);
+    Some(rows.last()?.time + held.reduce(f64::max)?)
+}
+
 /// Admissible setpoints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleLimits {
@@ -105,34 +112,14 @@ impl Table {
     /// Reads a file. `limits` bounds the setpoints, if it is known.
     pub fn read(path: &Path, pair: Pair<'_>, limits: Option<AngleLimits>) -> Result<Self, Error> {
         let text = read_text(path)?;
-        let mut reader = ReaderBuilder::new()
-            .trim(Trim::All)
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let syntax = |error: csv::Error| Error::Syntax {
-            place: Place::new(
-                path.display().to_string(),
-                error.position().map(csv::Position::line),
-            ),
-            message: error.to_string(),
-        };
-        let header = records
-            .next()
-            .transpose()
-            .map_err(syntax)?
-            .unwrap_or_default();
-        let place = Place::in_file(path, 1);
-        let columns: Vec<String> = header.iter().map(str::to_owned).collect();
-        let mut table = Self::new(pair, &place, &columns)?;
-        for record in records {
-            let record = record.map_err(syntax)?;
-            let place = Place::in_file(path, record.position().map_or(0, csv::Position::line));
-            let numbers = numbers(&place, &columns, &record)?;
-            table.push(pair, &place, &columns, &numbers, limits)?;
+        let mut rows = Rows::new(&text, path.display().to_string())?;
+        let mut table = Self::new(pair, &rows.head(), &rows.columns)?;
+        while rows.read()? {
+            let (place, columns) = (rows.place(), &rows.columns);
+            let numbers = numbers(&place, columns, &rows.record)?;
+            table.push(pair, &place, columns, &numbers, limits)?;
         }
-        table.not_empty(&place)
+        table.not_empty(&rows.head())
     }
 
     /// A table without rows, whose columns are `time`, `setpoint` and names of inputs.
@@ -231,11 +218,9 @@ impl Table {
         Ok(())
     }
 
-    /// How long the table lasts \[s\]: to the end of its last row, which is taken to hold as long as the
-    /// longest before it. None for a single row.
+    /// How long the table lasts \[s\]: until the [`end`] of its rows.
     pub fn duration(&self) -> Option<f64> {
-        let held = self.rows.windows(2).map(|w| w[1].time - w[0].time);
-        Some(self.rows.last()?.time + held.reduce(f64::max)?)
+        end(&self.rows)
     }
 
     /// When the setpoint changes for the first time \[s\].
@@ -245,15 +230,6 @@ impl Table {
             .iter()
             .find(|row| row.values[0] != first)
             .map(|row| row.time)
-    }
-}
-
-fn not_finite(place: &Place, column: &str, value: &str) -> Error {
-    Error::Value {
-        place: place.clone(),
-        name: column.to_owned(),
-        value: value.to_owned(),
-        expected: "a finite number".to_owned(),
     }
 }
 

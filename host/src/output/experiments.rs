@@ -10,14 +10,14 @@
 //! A run is written as soon as it is done; the rest when all are. Files appear whole or not at all.
 
 use super::figures::chart;
-use super::{Made, OutputFolder, page};
+use super::{Made, OutputFolder, json_text, page};
 use crate::experiment::verdict::Row;
 use crate::experiment::{Experiment, Run};
 use crate::run::summary::Summary;
+use crate::whole::write_whole;
 use crate::{Error, Outcome};
 use serde::Serialize;
-use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A folder that will hold experiments.
@@ -103,9 +103,7 @@ impl ExperimentsFolder {
         for (finished, charts) in experiments.iter().zip(&charts) {
             let experiment = finished.experiment;
             let file = self.path.join(&experiment.name).join("experiment.json");
-            let mut json = serde_json::to_string_pretty(&json(finished))
-                .map_err(|error| failed(&file)(error.into()))?;
-            json.push('\n');
+            let json = json_text(&json(finished)).map_err(failed(&file))?;
             write_whole(&file, json.as_bytes()).map_err(failed(&file))?;
             for (figure, chart) in experiment.figures.iter().zip(charts) {
                 let file = self.path.join(svg_path(experiment, &figure.name));
@@ -148,19 +146,4 @@ fn json<'a>(finished: &Finished<'a>) -> Json<'a> {
             .collect(),
         table: rows,
     }
-}
-
-/// Replaces a file, which never is there in part.
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".flexarm-");
-    // As any other new file, less what the user's mask takes off; temporary files are the owner's alone otherwise.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(path)?;
-    Ok(())
 }

@@ -1,6 +1,7 @@
 //! What all pages share.
 
 use super::chart::script;
+use crate::run::summary::Stopped;
 use std::fmt::Write;
 
 /// Style of the pages of one result.
@@ -38,6 +39,36 @@ pub(super) fn row(page: &mut String, [name, value, unit]: [&str; 3]) {
         escape(value),
         escape(unit)
     );
+}
+
+/// What a run comes to, above its plots.
+pub(super) fn circumstances(
+    page: &mut String,
+    headline: &str,
+    rows: &[[String; 3]],
+    stopped: Option<&Stopped>,
+    warnings: &[String],
+) {
+    let _ = writeln!(page, "<p>{}</p>\n<table>", escape(headline));
+    for [name, value, unit] in rows {
+        row(page, [name, value, unit]);
+    }
+    page.push_str("</table>\n");
+    if let Some(stopped) = stopped {
+        let reason = escape(&stopped.reason);
+        let _ = writeln!(
+            page,
+            "<p class=\"warning\"><strong>Partial: {reason}</strong></p>"
+        );
+    }
+    self::warnings(page, warnings);
+}
+
+/// What may be meant but looks wrong.
+pub(super) fn warnings(page: &mut String, warnings: &[String]) {
+    for warning in warnings {
+        let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
+    }
 }
 
 /// Text in HTML.

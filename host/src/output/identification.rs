@@ -1,11 +1,11 @@
 //! An identification in a folder: parameters, numbers, report and measurements.
 
 use super::chart::{Chart, Panel, Trace};
-use super::html::{END, RESULT, escape, head, row};
+use super::html::{END, RESULT, escape, head, row, warnings};
 use super::report::{PANEL, TIME};
 use super::{
     IDENTIFICATION, MEASUREMENTS, OF_AN_IDENTIFICATION, OutputFolder, PARAMETERS,
-    PARTIAL_MEASUREMENTS, WHOLE,
+    PARTIAL_MEASUREMENTS, WHOLE, json_text,
 };
 use crate::Error;
 use crate::experiment::Style;
@@ -62,9 +62,7 @@ impl OutputFolder {
             &description(summary),
         );
         fs::write(file(PARAMETERS), ssv::write(&set))?;
-        let mut json = serde_json::to_string_pretty(summary)?;
-        json.push('\n');
-        fs::write(file(IDENTIFICATION), json)?;
+        fs::write(file(IDENTIFICATION), json_text(summary)?)?;
         fs::write(file(WHOLE[2]), html(identified, summary))?;
         if measurements {
             let compared = [
@@ -99,7 +97,7 @@ impl OutputFolder {
                 "recorded_until_s": signals.time.last(),
                 "samples": signals.time.len(),
             });
-            let text = format!("{}\n", serde_json::to_string_pretty(&json)?);
+            let text = json_text(&json)?;
             fs::write(self.partial.path().join(IDENTIFICATION), text)?;
             write_signals(signals, &self.partial.path().join(name))?;
             self.publish(&OF_AN_IDENTIFICATION)
@@ -180,9 +178,7 @@ fn html(identified: &Identified, summary: &Summary) -> String {
         row(&mut page, [&name, &value, &unit]);
     }
     page.push_str("</table>\n");
-    for warning in &summary.warnings {
-        let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
-    }
+    warnings(&mut page, &summary.warnings);
     page.push_str("<h2>Parameters</h2>\n<table>\n");
     for [name, value, sigma, unit] in summary.parameter_rows() {
         row(&mut page, [&name, &format!("{value} ± {sigma}"), &unit]);

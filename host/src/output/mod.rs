@@ -14,6 +14,7 @@ mod html;
 mod identification;
 mod page;
 mod report;
+mod samples;
 mod svg;
 mod system;
 
@@ -23,9 +24,11 @@ use crate::Error;
 use crate::fmu::Message;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
+use samples::write_csv;
+use serde::Serialize;
 use std::fmt::{Display, Write as _};
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -165,17 +168,30 @@ impl OutputFolder {
     }
 
     fn try_write(&mut self, outcome: &Outcome, reported: bool) -> io::Result<()> {
-        let file = |name: &str| self.partial.path().join(name);
-        let [results, summary, report] = names(outcome.summary.stopped.is_some());
-        write_csv(&outcome.recording, &file(results))?;
-        let mut json = serde_json::to_string_pretty(&outcome.summary)?;
-        json.push('\n');
-        fs::write(file(summary), json)?;
-        if reported {
-            fs::write(file(report), report::html(outcome))?;
-        }
+        let page = reported.then(|| report::html(outcome));
+        self.run_files(
+            &outcome.recording,
+            &outcome.summary,
+            outcome.summary.stopped.is_some(),
+            page.as_deref(),
+        )?;
         self.write_log(&outcome.messages)?;
         self.publish(&OF_A_RUN)
+    }
+
+    /// The samples, the summary and, if there is one, the report of a run.
+    fn run_files(
+        &self,
+        recording: &Recording,
+        summary: &impl Serialize,
+        partial: bool,
+        report: Option<&str>,
+    ) -> io::Result<()> {
+        let file = |name: &str| self.partial.path().join(name);
+        let [results, numbers, page] = names(partial);
+        write_csv(recording, &file(results))?;
+        fs::write(file(numbers), json_text(summary)?)?;
+        report.map_or(Ok(()), |report| fs::write(file(page), report))
     }
 
     fn write_log(&self, messages: &[(impl Display, Message)]) -> io::Result<()> {
@@ -224,34 +240,9 @@ fn check_targets(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// All rows; numbers read back exactly.
-fn write_csv(recording: &Recording, path: &Path) -> io::Result<()> {
-    let mut header = csv::Writer::from_writer(Vec::new());
-    header.write_record(recording.columns().iter().map(|c| c.name.as_str()))?;
-    let mut file = BufWriter::with_capacity(1 << 20, fs::File::create(path)?);
-    file.write_all(
-        &header
-            .into_inner()
-            .map_err(|e| io::Error::other(e.to_string()))?,
-    )?;
-    let mut line = String::new();
-    for row in recording.rows() {
-        line.clear();
-        for (i, value) in row.iter().enumerate() {
-            if i > 0 {
-                line.push(',');
-            }
-            // Formatting to a String cannot fail.
-            let _ = if value.fract() == 0.0 && value.abs() < 1e15 {
-                write!(line, "{}", *value as i64)
-            } else {
-                write!(line, "{value:?}")
-            };
-        }
-        line.push('\n');
-        file.write_all(line.as_bytes())?;
-    }
-    file.flush()
+/// JSON that ends with a new line.
+fn json_text(value: &impl Serialize) -> io::Result<String> {
+    Ok(serde_json::to_string_pretty(value)? + "\n")
 }
 
 #[cfg(test)]

@@ -1,12 +1,11 @@
 //! The report: one HTML page that needs no network, with the summary and linked, zoomable plots.
 
 use super::chart::{Chart, Panel, Trace};
-use super::html::{END, RESULT, escape, head, row};
+use super::html::{END, RESULT, circumstances, head};
 use crate::experiment::Style;
 use crate::input::roles::Role;
 use crate::run::Outcome;
 use crate::run::recording::Recording;
-use std::fmt::Write;
 
 /// Height of one panel \[px\].
 pub(super) const PANEL: usize = 260;
@@ -34,22 +33,13 @@ pub(super) fn html(outcome: &Outcome) -> String {
     let summary = &outcome.summary;
     let title = format!("{} with {}", summary.controller.model, summary.plant.model);
     let mut page = head(&title, RESULT);
-    // Formatting to a String cannot fail.
-    let _ = writeln!(page, "<p>{}</p>\n<table>", escape(&summary.headline()));
-    for [name, value, unit] in summary.rows() {
-        row(&mut page, [&name, &value, &unit]);
-    }
-    page.push_str("</table>\n");
-    if let Some(stopped) = &summary.stopped {
-        let _ = writeln!(
-            page,
-            "<p class=\"warning\"><strong>Partial: {}</strong></p>",
-            escape(&stopped.reason)
-        );
-    }
-    for warning in &summary.warnings {
-        let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
-    }
+    circumstances(
+        &mut page,
+        &summary.headline(),
+        &summary.rows(),
+        summary.stopped.as_ref(),
+        &summary.warnings,
+    );
     let chart = Chart::new(TIME, panels(outcome));
     page.push_str(&chart.interactive("plots", PANEL));
     page.push('\n');

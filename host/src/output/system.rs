@@ -3,13 +3,12 @@
 
 use super::chart::{Chart, PANELS, Panel, Trace};
 use super::figures::COLOURS;
-use super::html::{END, RESULT, escape, head, row};
+use super::html::{END, RESULT, circumstances, head};
 use super::report::{PANEL, TIME};
-use super::{OF_A_RUN, OutputFolder, PLOT, names, write_csv};
+use super::{OF_A_RUN, OutputFolder, PLOT, names};
 use crate::Error;
 use crate::experiment::Style;
 use crate::ssp::SystemOutcome;
-use std::fmt::Write;
 use std::fs;
 use std::io;
 use std::path::PathBuf;
@@ -28,13 +27,12 @@ impl OutputFolder {
 
     fn try_write_system(&mut self, outcome: &SystemOutcome) -> io::Result<()> {
         let partial = outcome.summary.stopped.is_some();
-        let file = |name: &str| self.partial.path().join(name);
-        let [results, summary, report] = names(partial);
-        write_csv(&outcome.recording, &file(results))?;
-        let mut json = serde_json::to_string_pretty(&outcome.summary)?;
-        json.push('\n');
-        fs::write(file(summary), json)?;
-        fs::write(file(report), html(outcome))?;
+        self.run_files(
+            &outcome.recording,
+            &outcome.summary,
+            partial,
+            Some(&html(outcome)),
+        )?;
         // The plot of an earlier run stays with its samples.
         let stale: Vec<_> = OF_A_RUN
             .into_iter()
@@ -42,7 +40,8 @@ impl OutputFolder {
             .collect();
         if !partial {
             let svg = Chart::new(TIME, panels(outcome)).svg();
-            fs::write(file(PLOT), svg.map_err(io::Error::other)?)?;
+            let svg = svg.map_err(io::Error::other)?;
+            fs::write(self.partial.path().join(PLOT), svg)?;
         }
         self.write_log(&outcome.messages)?;
         self.publish(&stale)
@@ -52,22 +51,13 @@ impl OutputFolder {
 fn html(outcome: &SystemOutcome) -> String {
     let summary = &outcome.summary;
     let mut page = head(&summary.name, RESULT);
-    // Formatting to a String cannot fail.
-    let _ = writeln!(page, "<p>{}</p>\n<table>", escape(&summary.headline()));
-    for [name, value, unit] in summary.rows() {
-        row(&mut page, [&name, &value, &unit]);
-    }
-    page.push_str("</table>\n");
-    if let Some(stopped) = &summary.stopped {
-        let reason = escape(&stopped.reason);
-        let _ = writeln!(
-            page,
-            "<p class=\"warning\"><strong>Partial: {reason}</strong></p>"
-        );
-    }
-    for warning in &summary.warnings {
-        let _ = writeln!(page, "<p class=\"warning\">{}</p>", escape(warning));
-    }
+    circumstances(
+        &mut page,
+        &summary.headline(),
+        &summary.rows(),
+        summary.stopped.as_ref(),
+        &summary.warnings,
+    );
     let mut panels = panels(outcome).into_iter().peekable();
     for count in 1.. {
         if panels.peek().is_none() {

@@ -10,14 +10,32 @@ use crate::input::{Error, Pair, Side};
 use std::ops::RangeInclusive;
 
 /// Communication steps of a run. They are counted in f64, exact up to 2⁵³; 10⁹ of 0.25 ms are three days.
-const STEPS: RangeInclusive<f64> = 1.0..=1e9;
+pub(crate) const STEPS: RangeInclusive<f64> = 1.0..=1e9;
 
-fn setting(name: impl Into<String>, value: f64, expected: String) -> Error {
+/// A number that cannot be meant.
+pub(crate) fn setting(name: impl Into<String>, value: f64, expected: String) -> Error {
     Error::Setting {
         name: name.into(),
         value: short(value),
         expected,
     }
+}
+
+/// Refuses communication points that no run has: the time between them \[s\], and every which is recorded.
+pub(crate) fn points(step: f64, record_every: usize) -> Result<(), Error> {
+    if !(step.is_finite() && step > 0.0) {
+        return Err(setting("--step", step, "a positive time in s".to_owned()));
+    }
+    if record_every == 0 {
+        return Err(setting("--record", 0.0, "at least 1".to_owned()));
+    }
+    Ok(())
+}
+
+/// Number of whole communication steps in a time \[s\]; none if it is beyond [`STEPS`].
+pub(crate) fn whole_steps(duration: f64, step: f64) -> Option<usize> {
+    let steps = (duration / step + 1e-6).floor();
+    STEPS.contains(&steps).then_some(steps as usize)
 }
 
 /// Number of whole communication steps of the run.
@@ -27,12 +45,7 @@ pub(super) fn steps(
     table: Option<&Table>,
 ) -> Result<usize, Error> {
     let step = simulation.step;
-    if !(step.is_finite() && step > 0.0) {
-        return Err(setting("--step", step, "a positive time in s".to_owned()));
-    }
-    if simulation.record_every == 0 {
-        return Err(setting("--record", 0.0, "at least 1".to_owned()));
-    }
+    points(step, simulation.record_every)?;
     let stop = |side| pair.of(side).default_experiment.stop_time;
     let (until, origin) = if let Some(until) = simulation.until {
         (until, "--until".to_owned())
@@ -46,13 +59,12 @@ pub(super) fn steps(
     } else {
         (1.0, "end of the run".to_owned())
     };
-    let steps = |step: f64| (until / step + 1e-6).floor();
-    if STEPS.contains(&steps(step)) {
-        return Ok(steps(step) as usize);
+    if let Some(steps) = whole_steps(until, step) {
+        return Ok(steps);
     }
     let (fewest, most) = (*STEPS.start(), *STEPS.end());
     // The end is to blame, unless it would do with an ordinary step.
-    Err(if STEPS.contains(&steps(DEFAULT_STEP)) {
+    Err(if whole_steps(until, DEFAULT_STEP).is_some() {
         let (low, high) = (short(until / most), short(until / fewest));
         let expected = format!("a time in [{low}, {high}] s for a run of {until} s");
         setting("--step", step, expected)
@@ -122,7 +134,7 @@ pub(super) fn wiring(pair: Pair<'_>, wiring: &Wiring) -> Option<String> {
 /// What the FMUs say of themselves that does not fit.
 pub(super) fn descriptions(pair: Pair<'_>, step: f64) -> Vec<String> {
     let mut warnings = Vec::new();
-    for side in [Side::Controller, Side::Plant] {
+    for side in Side::BOTH {
         let description = pair.of(side);
         if !description.problems.is_empty() {
             warnings.push(format!(

@@ -3,7 +3,7 @@
 use super::score::Score;
 use super::{Order, Simulation};
 use crate::fmu::Fmu;
-use crate::table::aligned;
+use crate::table::quantities;
 use serde::{Deserialize, Serialize};
 
 /// One of the two FMUs of a run.
@@ -197,8 +197,7 @@ impl Summary {
 
     /// All quantities, aligned, under the headline.
     pub fn table(&self) -> String {
-        let mut table = aligned(["quantity", "value", "unit"], [1]);
-        table.add_rows(self.rows());
+        let table = quantities(self.rows());
         format!("{}\n{}", self.headline(), table.trim_fmt())
     }
 }

@@ -1,17 +1,13 @@
-//! Makes the connectors and connections of a [`super::wiring::Wiring`], and finds what is wrong with them.
+//! Makes the connectors of a [`super::wiring::Wiring`], and finds what is wrong with them.
 
-use super::document::{
-    Child, Component, Connection, Connector, Kind, System, SystemStructure, Type, Written,
-};
+use super::document::{Child, Component, Connector, Kind, System, SystemStructure, Type};
 use super::package::{Package, mistake, syntax};
-use super::read::units_of_fmu;
-use super::transformation::{NamedUnit, Transformation};
-use super::wiring::{Branch, Hop, Owner, Part, Point, Tree};
+use super::transformation::NamedUnit;
+use super::wiring::{Branch, Owner, Part, Point, Tree};
 use crate::Error;
-use crate::fmu::{self, Causality, Fmu};
+use crate::fmu::{self, Causality, Fmu, hint};
 use crate::input::{self, Place};
 use std::collections::BTreeMap;
-use std::fs;
 
 /// What a wiring is made of, with what is wrong with it.
 type Built = (Tree, Vec<Part>, Vec<Point>, Vec<input::Error>);
@@ -30,17 +26,18 @@ pub(super) fn build(package: &Package, structure: &SystemStructure) -> Result<Bu
     Ok((tree, builder.parts, builder.points, builder.mistakes))
 }
 
-struct Builder<'a> {
+/// What is made until now.
+pub(super) struct Builder<'a> {
     package: &'a Package,
-    structure: &'a SystemStructure,
+    pub structure: &'a SystemStructure,
     opened: BTreeMap<String, Fmu>,
-    parts: Vec<Part>,
-    points: Vec<Point>,
+    pub parts: Vec<Part>,
+    pub points: Vec<Point>,
     mistakes: Vec<input::Error>,
 }
 
 impl Builder<'_> {
-    fn mistake(&mut self, line: u32, message: impl Into<String>) {
+    pub fn mistake(&mut self, line: u32, message: impl Into<String>) {
         let place = Place::new(self.structure.file.clone(), Some(line.into()));
         self.mistakes.push(mistake(place, message));
     }
@@ -124,19 +121,10 @@ impl Builder<'_> {
             }
         }
         self.opened.insert(component.source.clone(), fmu.clone());
-        let text = fs::read(fmu.folder().join("modelDescription.xml")).unwrap_or_default();
-        let text = String::from_utf8_lossy(&text)
-            .trim_start_matches('\u{feff}')
-            .to_owned();
-        let units = roxmltree::Document::parse(&text)
-            .map(|document| units_of_fmu(document.root_element()))
-            .unwrap_or_default();
         let part = self.parts.len();
         self.parts.push(Part {
             path: path.clone(),
             source: self.package.name(&component.source),
-            units,
-            description: text,
             fmu,
         });
         let mut connectors = BTreeMap::new();
@@ -161,9 +149,7 @@ impl Builder<'_> {
             Err(error) => {
                 let source = &part_ref.source;
                 let why = match error {
-                    fmu::NameError::Unknown { similar } => similar
-                        .first()
-                        .map_or(String::new(), |most| format!(", did you mean {most}?")),
+                    fmu::NameError::Unknown { similar } => hint(&similar),
                     fmu::NameError::Array { first, last } => {
                         format!(": it is an array, connect its elements {first} to {last}")
                     }
@@ -207,212 +193,15 @@ impl Builder<'_> {
             self.mistake(connector.line, message);
             return None;
         }
-        let of_fmu = variable.unit.as_ref().map(|name| {
-            let known = part_ref.units.get(name).cloned();
-            known.unwrap_or(NamedUnit {
-                name: name.clone(),
-                unit: None,
-            })
-        });
         Some(Point {
             owner: Owner::Part(part, scalar),
             path: format!("{path}.{name}"),
             kind: connector.kind,
-            unit: declared.or(of_fmu),
+            unit: declared.or_else(|| part_ref.unit(scalar)),
             signal: connector.signal.clone().or(Some(own)),
             incoming: None,
         })
     }
-
-    fn connect(&mut self, connection: &Connection, tree: &Tree) {
-        let mut ends = Vec::new();
-        for (element, connector) in &connection.ends {
-            match self.end(tree, element.as_deref(), connector) {
-                Ok((point, gives)) => ends.push((point, gives)),
-                Err(why) => self.mistake(connection.line, format!("connection: {why}")),
-            }
-        }
-        let [(a, a_gives), (b, b_gives)] = ends[..] else {
-            return;
-        };
-        let (from, to) = match (a_gives, b_gives) {
-            (true, false) => (a, b),
-            (false, true) => (b, a),
-            (gives, _) => {
-                let both = if gives {
-                    "give values, none takes them"
-                } else {
-                    "take values, none gives them"
-                };
-                let (a, b) = (&self.points[a].path, &self.points[b].path);
-                let message = format!("connection: {a} and {b} both {both}");
-                self.mistake(connection.line, message);
-                return;
-            }
-        };
-        if let Some(hop) = &self.points[to].incoming {
-            let message = format!(
-                "connection: {} is fed already by the connection in line {}",
-                self.points[to].path, hop.line
-            );
-            self.mistake(connection.line, message);
-            return;
-        }
-        match self.transformation(connection, from, to) {
-            Ok(transformation) => {
-                self.points[to].incoming = Some(Hop {
-                    from,
-                    transformation,
-                    suppress_unit_conversion: connection.suppress_unit_conversion,
-                    transformed: connection.transformation.is_some(),
-                    line: connection.line,
-                });
-            }
-            Err(why) => self.mistake(connection.line, format!("connection: {why}")),
-        }
-    }
-
-    /// A connector at the end of a connection, and whether it gives values there.
-    fn end(
-        &self,
-        tree: &Tree,
-        element: Option<&str>,
-        connector: &str,
-    ) -> Result<(usize, bool), String> {
-        let (connectors, inside) = match element {
-            // An empty attribute is what some tools write for none.
-            None | Some("") => (&tree.connectors, true),
-            Some(name) => {
-                let child = tree.children.iter().find(|(child, _)| child == name);
-                match child.map(|(_, branch)| branch) {
-                    Some(Branch::Part(_, connectors)) => (connectors, false),
-                    Some(Branch::System(tree)) => (&tree.connectors, false),
-                    None => return Err(format!("the system has no element {name}")),
-                }
-            }
-        };
-        let Some(&point) = connectors.get(connector) else {
-            return Err(match element {
-                Some(element) => format!("element {element} has no connector {connector}"),
-                None => format!("the system has no connector {connector}"),
-            });
-        };
-        Ok((point, self.points[point].kind.is_inward() == inside))
-    }
-
-    /// What a connection does beside unit conversion. Errors: why it cannot be made.
-    fn transformation(
-        &self,
-        connection: &Connection,
-        from: usize,
-        to: usize,
-    ) -> Result<Transformation, String> {
-        let (from, to) = (&self.points[from], &self.points[to]);
-        for end in [from, to] {
-            if let Some(Type::Other(name)) = &end.signal {
-                return Err(format!(
-                    "{} is of type {name}: only numbers can be connected",
-                    end.path
-                ));
-            }
-        }
-        let Some(written) = &connection.transformation else {
-            let fits = match (&from.signal, &to.signal) {
-                (None, _) | (_, None) => true,
-                (Some(from), Some(to)) => {
-                    from == to || is_integer(from) && (is_integer(to) || *to == Type::Real)
-                }
-            };
-            let name = |point: &Point| {
-                point
-                    .signal
-                    .as_ref()
-                    .map_or(String::new(), ToString::to_string)
-            };
-            return if fits {
-                Ok(Transformation::identity())
-            } else {
-                Err(format!(
-                    "{} is of type {}, {} of type {}: a transformation must say how one becomes the other",
-                    from.path,
-                    name(from),
-                    to.path,
-                    name(to)
-                ))
-            };
-        };
-        let wrong = |point: &Point, expected: &str| match &point.signal {
-            Some(found) if !expected.split(' ').any(|e| e == found.to_string()) => Some(format!(
-                "{} cannot be applied to {}, which is of type {found}",
-                written.name(),
-                point.path
-            )),
-            _ => None,
-        };
-        let expected = match written {
-            Written::Linear { .. } => "Real Integer",
-            Written::Boolean(_) => "Boolean",
-            Written::Integer(_) => "Integer",
-            Written::Enumeration(_) => "Enumeration",
-        };
-        if let Some(why) = wrong(from, expected).or(wrong(to, expected)) {
-            return Err(why);
-        }
-        self.numbers(written, from, to)
-    }
-
-    /// A transformation in numbers.
-    fn numbers(
-        &self,
-        written: &Written,
-        from: &Point,
-        to: &Point,
-    ) -> Result<Transformation, String> {
-        Ok(match written {
-            Written::Linear { factor, offset } => Transformation::linear(*factor, *offset),
-            Written::Boolean(entries) => {
-                let number = |truth: bool| f64::from(u8::from(truth));
-                let entries = entries.iter().map(|&(a, b)| (number(a), number(b)));
-                Transformation::mapping(entries.collect())
-            }
-            Written::Integer(entries) => {
-                let entries = entries.iter().map(|&(a, b)| (a as f64, b as f64));
-                Transformation::mapping(entries.collect())
-            }
-            Written::Enumeration(entries) => {
-                let mut numbers = Vec::new();
-                for (a, b) in entries {
-                    numbers.push((self.item(from, a)?, self.item(to, b)?));
-                }
-                Transformation::mapping(numbers)
-            }
-        })
-    }
-
-    /// The value of an enumeration's item: of the FMU, or as the file declares it.
-    fn item(&self, point: &Point, name: &str) -> Result<f64, String> {
-        let of_fmu = match point.owner {
-            Owner::Part(part, scalar) => {
-                let items = &self.parts[part].description().variable(scalar).items;
-                items.iter().find(|i| i.name == name).map(|i| i.value)
-            }
-            _ => None,
-        };
-        let declared = match &point.signal {
-            Some(Type::Enumeration(of)) => self.structure.enumerations.get(of),
-            _ => None,
-        };
-        let declared = declared.and_then(|items| items.iter().find(|(item, _)| item == name));
-        of_fmu
-            .or(declared.map(|(_, value)| *value))
-            .map(|value| value as f64)
-            .ok_or_else(|| format!("{} has no item {name}", point.path))
-    }
-}
-
-/// Whether a type is that of integers: enumerations travel as such (SSP 1.0 sec 4.4.1).
-fn is_integer(signal: &Type) -> bool {
-    matches!(signal, Type::Integer | Type::Enumeration(_))
 }
 
 fn type_of(kind: fmu::Kind) -> Type {

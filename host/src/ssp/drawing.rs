@@ -9,7 +9,6 @@ use crate::input::roles::Role;
 use model_description::ssv::{self, Parameter, ParameterSet};
 use model_description::xml::f64_text;
 use std::collections::BTreeMap;
-use std::fs;
 
 /// Width of the canvas.
 pub(super) const WIDTH: f64 = 200.0;
@@ -21,9 +20,6 @@ pub(super) const LOWER: f64 = 40.0;
 pub(super) const ABOVE: f64 = 25.0;
 const PITCH: f64 = 8.0;
 
-/// The names of both components.
-pub(super) const NAMES: [&str; 2] = ["controller", "plant"];
-
 /// What is written.
 pub(super) struct Drawing<'a> {
     pub name: &'a str,
@@ -31,8 +27,6 @@ pub(super) struct Drawing<'a> {
     pub sources: Vec<String>,
     pub prepared: &'a Prepared<'a>,
     pub step: f64,
-    /// Attributes of the `BaseUnit` of each unit that either FMU defines.
-    units: BTreeMap<String, BTreeMap<String, String>>,
     /// Parameter set of each component.
     pub parameters: [Option<String>; 2],
     /// File with the inputs over time.
@@ -61,18 +55,12 @@ impl<'a> Drawing<'a> {
         prepared: &'a Prepared<'a>,
         step: f64,
     ) -> Self {
-        let mut units = BTreeMap::new();
-        for fmu in fmus {
-            let text = fs::read_to_string(fmu.folder().join("modelDescription.xml"));
-            units.extend(base_units(&text.unwrap_or_default()));
-        }
         Self {
             name,
             descriptions: [fmus[0].description(), fmus[1].description()],
             sources,
             prepared,
             step,
-            units,
             parameters: [None, None],
             inputs: None,
             start: None,
@@ -81,7 +69,8 @@ impl<'a> Drawing<'a> {
 
     /// Attributes of the `BaseUnit` of a unit, if either FMU defines it.
     pub fn base_unit(&self, unit: &str) -> Option<&BTreeMap<String, String>> {
-        self.units.get(unit)
+        let descriptions = self.descriptions.iter().rev();
+        descriptions.filter_map(|d| d.units.get(unit)).next()
     }
 
     pub fn description(&self, side: Side) -> &'a Description {
@@ -333,19 +322,4 @@ fn bent(from: f64, bend: f64, to: f64) -> Vec<(f64, f64)> {
         return Vec::new();
     }
     vec![(bend, from), (bend, to)]
-}
-
-/// Attributes of the `BaseUnit` of each unit, by name.
-fn base_units(text: &str) -> BTreeMap<String, BTreeMap<String, String>> {
-    let Ok(document) = roxmltree::Document::parse(text.trim_start_matches('\u{feff}')) else {
-        return BTreeMap::new();
-    };
-    let units = document.descendants().filter(|n| n.has_tag_name("Unit"));
-    let unit = |node: roxmltree::Node<'_, '_>| {
-        let base = node.children().find(|c| c.has_tag_name("BaseUnit"))?;
-        let pair = |a: roxmltree::Attribute<'_, '_>| (a.name().to_owned(), a.value().to_owned());
-        let attributes = base.attributes().map(pair).collect();
-        Some((node.attribute("name")?.to_owned(), attributes))
-    };
-    units.filter_map(unit).collect()
 }

@@ -3,10 +3,11 @@
 
 use super::drawing::Drawing;
 use super::ssd;
-use crate::experiment::{Experiment, Run, folder_name};
+use crate::experiment::{Experiment, Run};
 use crate::fmu::{Fmu, Scalar, Value};
 use crate::input::Side;
 use crate::run::Order;
+use crate::whole::write_whole;
 use crate::{Error, Prepared};
 use model_description::Unit;
 use model_description::ssv::{self, Parameter, ParameterSet};
@@ -34,20 +35,14 @@ impl Content {
     /// Adds a file of the user; returns its path. Files of one name and other content get a number.
     fn resource(&mut self, name: &str, bytes: Vec<u8>) -> String {
         let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-        for count in 1.. {
-            let path = match count {
-                1 => format!("resources/{name}"),
-                count => format!("resources/{stem}-{count}.{extension}"),
-            };
-            match self.0.get(&path) {
-                Some(present) if *present != bytes => {}
-                _ => {
-                    self.0.insert(path.clone(), bytes);
-                    return path;
-                }
-            }
+        let mut path = format!("resources/{name}");
+        let mut count = 1;
+        while self.0.get(&path).is_some_and(|present| *present != bytes) {
+            count += 1;
+            path = format!("resources/{stem}-{count}.{extension}");
         }
-        unreachable!("counting does not end")
+        self.0.insert(path.clone(), bytes);
+        path
     }
 
     /// The archive: entries by name, all of one date, so that equal content gives equal bytes.
@@ -102,7 +97,9 @@ impl Export {
                 ));
             }
         }
-        write_whole(file, &content).map_err(|source| Error::Output {
+        let written = content.to_bytes();
+        let written = written.and_then(|bytes| write_whole(file, &bytes));
+        written.map_err(|source| Error::Output {
             path: file.to_owned(),
             source,
         })?;
@@ -144,8 +141,8 @@ impl Export {
             sources.push(content.resource(&file_name(fmu.file()), bytes));
         }
         let mut drawing = Drawing::new(&run.name, &fmus, sources, &prepared, simulation.step);
-        let stem = folder_name(&run.name);
-        for side in [Side::Controller, Side::Plant] {
+        let stem = &run.folder;
+        for side in Side::BOTH {
             let set = parameters(&run.name, &prepared, side, &drawing);
             if !set.parameters.is_empty() {
                 let text = ssv::write(&set).into_bytes();
@@ -184,11 +181,10 @@ fn parameters(
     let mut one = |(scalar, value): (Scalar, Value)| {
         let unit = description.variable(scalar).unit.as_ref();
         let base = unit.and_then(|unit| drawing.base_unit(unit));
-        let unit = unit.filter(|_| base.is_some()).cloned();
-        if let (Some(name), base) = (&unit, base) {
+        if let (Some(name), Some(base)) = (unit, base) {
             let unit = Unit {
                 name: name.clone(),
-                base: base.cloned(),
+                base: Some(base.clone()),
                 display_units: Vec::new(),
                 line: 0,
             };
@@ -203,7 +199,7 @@ fn parameters(
                 Value::Boolean(truth) => ssv::Value::Boolean(truth),
                 Value::Text(text) => ssv::Value::String(text),
             },
-            unit: unit.filter(|_| is_real),
+            unit: unit.filter(|_| is_real && base.is_some()).cloned(),
             line: 0,
         }
     };
@@ -215,26 +211,4 @@ fn parameters(
         parameters,
         units: units.into_values().collect(),
     }
-}
-
-/// Writes beside the final place and then moves there. Makes missing folders.
-fn write_whole(file: &Path, content: &Content) -> io::Result<()> {
-    let bytes = content.to_bytes()?;
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
-    let mut part = tempfile::Builder::new()
-        .prefix(".flexarm-")
-        .tempfile_in(folder)?;
-    part.write_all(&bytes)?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // A temporary file is for its owner only; this one is for all who may read the folder.
-        fs::set_permissions(part.path(), fs::Permissions::from_mode(0o644))?;
-    }
-    part.persist(file).map_err(|error| error.error)?;
-    Ok(())
 }

@@ -2,41 +2,27 @@
 //! connectors. Each row holds from its time \[s\] until the next one, as in setpoint files.
 
 use crate::fmu::short;
-use crate::input::{Error, Place};
-use csv::{Position, ReaderBuilder, Trim};
+use crate::input::Error;
+use crate::input::rows::Rows;
+use crate::input::setpoints::{Row, end};
 
 /// The file, checked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Table {
     /// Names of the columns after the time.
     pub names: Vec<String>,
-    /// Times \[s\] and values; times increase.
-    pub rows: Vec<(f64, Vec<f64>)>,
+    /// Values of the columns; times increase.
+    pub rows: Vec<Row>,
 }
 
 impl Table {
     /// Reads a file, whose first row must hold at `start`. `inputs` are the connectors that there are.
     pub fn read(text: &str, file: &str, start: f64, inputs: &[&str]) -> Result<Self, Error> {
-        let mut reader = ReaderBuilder::new()
-            .trim(Trim::All)
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let place = |line: u64| Place::new(file, Some(line));
-        let broken = |error: csv::Error| Error::Syntax {
-            place: Place::new(file, error.position().map(Position::line)),
-            message: error.to_string(),
-        };
-        let header = records
-            .next()
-            .transpose()
-            .map_err(broken)?
-            .unwrap_or_default();
-        let columns: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut source = Rows::new(text, file)?;
+        let (head, columns) = (source.head(), source.columns.clone());
         if columns.len() < 2 || columns[0] != "time" {
             return Err(Error::Header {
-                place: place(1),
+                place: head,
                 expected: "time and names of inputs of the system",
                 found: columns.join(","),
             });
@@ -44,13 +30,13 @@ impl Table {
         for (i, name) in columns.iter().enumerate().skip(1) {
             if columns[..i].contains(name) {
                 return Err(Error::TwoSources {
-                    place: place(1),
+                    place: head,
                     name: name.clone(),
                 });
             }
             if !inputs.contains(&name.as_str()) {
                 return Err(Error::Syntax {
-                    place: place(1),
+                    place: head,
                     message: format!(
                         "the system has no input {name}; there are: {}",
                         inputs.join(", ")
@@ -58,37 +44,19 @@ impl Table {
                 });
             }
         }
-        let mut table = Self {
-            names: columns[1..].to_vec(),
-            rows: Vec::new(),
-        };
-        for record in records {
-            let record = record.map_err(broken)?;
-            let place = place(record.position().map_or(0, Position::line));
-            if record.len() != columns.len() {
-                return Err(Error::Columns {
-                    place,
-                    found: record.len(),
-                    expected: columns.len(),
-                });
-            }
-            let mut numbers = Vec::new();
-            for (text, name) in record.iter().zip(&columns) {
-                let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-                numbers.push(number.ok_or_else(|| Error::Value {
-                    place: place.clone(),
-                    name: name.clone(),
-                    value: text.to_owned(),
-                    expected: "a finite number".to_owned(),
-                })?);
-            }
-            let time = numbers.remove(0);
-            match table.rows.last() {
-                Some((previous, _)) if time <= *previous => {
+        let mut rows: Vec<Row> = Vec::new();
+        while source.read()? {
+            source.complete()?;
+            let place = source.place();
+            let time = source.number(0)?;
+            let values = (1..columns.len()).map(|column| source.number(column));
+            let values = values.collect::<Result<_, _>>()?;
+            match rows.last().map(|row| row.time) {
+                Some(previous) if time <= previous => {
                     return Err(Error::Time {
                         place,
                         value: time,
-                        previous: Some(*previous),
+                        previous: Some(previous),
                     });
                 }
                 None if time != start => {
@@ -98,20 +66,19 @@ impl Table {
                     );
                     return Err(Error::Syntax { place, message });
                 }
-                _ => table.rows.push((time, numbers)),
+                _ => rows.push(Row { time, values }),
             }
         }
-        if table.rows.is_empty() {
-            return Err(Error::NoRows { place: place(1) });
+        if rows.is_empty() {
+            return Err(Error::NoRows { place: head });
         }
-        Ok(table)
+        let names = columns[1..].to_vec();
+        Ok(Self { names, rows })
     }
 
-    /// When its last row ends \[s\], which is taken to hold as long as the longest before it. None for a
-    /// single row.
+    /// When its last row ends \[s\], as of setpoints. None for a single row.
     pub fn end(&self) -> Option<f64> {
-        let held = self.rows.windows(2).map(|w| w[1].0 - w[0].0);
-        Some(self.rows.last()?.0 + held.reduce(f64::max)?)
+        end(&self.rows)
     }
 }
 

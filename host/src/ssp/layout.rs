@@ -6,6 +6,7 @@ use super::order::Link;
 use super::parameters::Values;
 use super::wiring::{Owner, Wiring};
 use crate::fmu::{Scalar, Signals};
+use crate::input::setpoints::Row;
 use crate::run::master::{Feed, Inputs, Member, Outputs};
 use crate::run::plan::step_of;
 use crate::run::recording::{Column, Recording, Slot};
@@ -152,14 +153,12 @@ impl Layout {
         let constant: Vec<_> = self.outside.iter().map(|(_, value)| *value).collect();
         let mut schedule = vec![(0, constant.clone())];
         let position = |name: &String| {
-            let names = self
-                .outside
-                .iter()
-                .map(|(point, _)| &self.columns[self.column_of[point]].name);
-            names.into_iter().position(|column| column == name)
+            let name_of = |point: &usize| &self.columns[self.column_of[point]].name;
+            let mut outside = self.outside.iter();
+            outside.position(|(point, _)| name_of(point) == name)
         };
         let positions: Vec<_> = table.names.iter().map(position).collect();
-        for (time, values) in &table.rows {
+        for Row { time, values } in &table.rows {
             let mut row = constant.clone();
             for (position, value) in positions.iter().zip(values) {
                 if let Some(position) = position {

@@ -5,9 +5,7 @@
 //! without iterations does not solve.
 
 use super::wiring::Part;
-use crate::fmu::{Causality, Scalar, Version};
-use roxmltree::{Document, Node};
-use std::collections::BTreeMap;
+use crate::fmu::{Causality, Dependencies, Scalar};
 
 /// A connection from an output of a component to an input of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,15 +41,11 @@ pub(super) struct Sequence {
     pub doubtful: Vec<usize>,
 }
 
-/// The inputs that each output depends on directly, by positions of the variables; none for an output without
-/// declared dependencies.
-type Dependencies = BTreeMap<usize, Option<Vec<usize>>>;
-
 /// The order, by the file where it does not matter. Errors: the connections of an algebraic loop.
 pub(super) fn sequence(parts: &[Part], links: &[Link]) -> Result<Sequence, Vec<Link>> {
     let declared: Vec<_> = parts
         .iter()
-        .map(|part| dependencies(part).unwrap_or_default())
+        .map(|part| &part.description().dependencies)
         .collect();
     if let Some(circle) = algebraic_loop(&declared, links) {
         return Err(circle);
@@ -107,7 +101,7 @@ fn sort(count: usize, needs: &[Before]) -> Sequence {
 }
 
 /// Connections each of which feeds what the next one takes, in a circle.
-fn algebraic_loop(declared: &[Dependencies], links: &[Link]) -> Option<Vec<Link>> {
+fn algebraic_loop(declared: &[&Dependencies], links: &[Link]) -> Option<Vec<Link>> {
     let feeds = |a: &Link, b: &Link| {
         let inputs = declared[b.from].get(&b.output.variable);
         let inputs = inputs.and_then(Option::as_ref);
@@ -137,52 +131,10 @@ fn algebraic_loop(declared: &[Dependencies], links: &[Link]) -> Option<Vec<Link>
     }
 }
 
-/// Reads the model structure (FMI 2.0 sec 2.2.8, FMI 3.0 sec 2.4.8).
-fn dependencies(part: &Part) -> Option<Dependencies> {
-    let document = Document::parse(&part.description).ok()?;
-    let structure = document
-        .root_element()
-        .children()
-        .find(|c| c.has_tag_name("ModelStructure"))?;
-    let description = part.description();
-    let position = |text: &str| match description.version {
-        // Positions count from 1.
-        Version::V2 => text.parse::<usize>().ok()?.checked_sub(1),
-        Version::V3 => {
-            let reference: u32 = text.parse().ok()?;
-            let variables = &description.variables;
-            variables.iter().position(|v| v.reference == reference)
-        }
-    };
-    let unknowns: Vec<Node<'_, '_>> = match description.version {
-        Version::V2 => {
-            let outputs = structure.children().find(|c| c.has_tag_name("Outputs"))?;
-            outputs.children().filter(Node::is_element).collect()
-        }
-        Version::V3 => {
-            let children = structure.children();
-            children.filter(|c| c.has_tag_name("Output")).collect()
-        }
-    };
-    let mut found = BTreeMap::new();
-    for unknown in unknowns {
-        let which = unknown
-            .attribute("index")
-            .or(unknown.attribute("valueReference"));
-        if let Some(output) = which.and_then(position) {
-            let inputs = unknown.attribute("dependencies").map(|list| {
-                let names = list.split_ascii_whitespace();
-                names.filter_map(position).collect()
-            });
-            found.insert(output, inputs);
-        }
-    }
-    Some(found)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     /// From variable 1 of a component to variable 0 of another.
     fn link(from: usize, to: usize) -> Link {
@@ -223,9 +175,8 @@ mod tests {
         let direct: Dependencies = BTreeMap::from([(1, Some(vec![0]))]);
         let none: Dependencies = BTreeMap::from([(1, Some(vec![]))]);
         let lines = |declared: &[&Dependencies], pairs: &[(usize, usize)]| {
-            let declared: Vec<_> = declared.iter().map(|d| (*d).clone()).collect();
             let links: Vec<_> = pairs.iter().map(|&(from, to)| link(from, to)).collect();
-            algebraic_loop(&declared, &links).map(|c| c.iter().map(|l| l.line).collect::<Vec<_>>())
+            algebraic_loop(declared, &links).map(|c| c.iter().map(|l| l.line).collect::<Vec<_>>())
         };
         let pairs = [(0, 1), (1, 2), (2, 1)];
         assert_eq!(lines(&[&direct; 3], &pairs), Some(vec![21, 12]));

@@ -33,9 +33,12 @@ impl Package {
             .tempdir()
             .map_err(fmu::Error::TemporaryFolder)?;
         archive::unpack(file, folder.path(), &Limits::default()).map_err(failed)?;
-        let entries = fs::read_dir(folder.path()).map_err(|e| failed(fmu::Problem::Read(e)))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        let mut structures: Vec<_> = names.filter(|name| name.ends_with(".ssd")).collect();
+        let unreadable = |error| failed(fmu::Problem::Read(error));
+        let mut structures = Vec::new();
+        for entry in fs::read_dir(folder.path()).map_err(unreadable)? {
+            let name = entry.map_err(unreadable)?.file_name().into_string();
+            structures.extend(name.ok().filter(|name| name.ends_with(".ssd")));
+        }
         structures.sort_by_key(|name| (name != DEFAULT, name.clone()));
         let package = Self {
             file: file.to_owned(),
@@ -55,13 +58,6 @@ impl Package {
     /// The file.
     pub fn file(&self) -> &Path {
         &self.file
-    }
-
-    /// Names of the variants: those of their files, without `.ssd`; `SystemStructure` is the default.
-    pub fn variants(&self) -> impl Iterator<Item = &str> {
-        self.structures
-            .iter()
-            .filter_map(|s| s.strip_suffix(".ssd"))
     }
 
     /// Reads a system structure: by the name of its file or the one that it gives itself; without a name the
@@ -109,6 +105,11 @@ impl Package {
     pub(super) fn resource(&self, path: &str, place: &Place) -> Result<PathBuf, Error> {
         find(self.folder.path(), path)
             .map_err(|why| syntax(place.clone(), format!("source `{path}` {why}")))
+    }
+
+    /// Text of a file of the package.
+    pub(super) fn text(&self, path: &str, place: &Place) -> Result<String, Error> {
+        text(&self.resource(path, place)?, path, place)
     }
 
     /// Opens an FMU of the package.
@@ -176,8 +177,14 @@ pub(super) fn mistake(place: Place, message: impl Into<String>) -> input::Error 
     }
 }
 
+/// Text of `file`, which is named `path` at `place`.
+pub(super) fn text(file: &Path, path: &str, place: &Place) -> Result<String, Error> {
+    read_text(file)
+        .map_err(|error| syntax(place.clone(), format!("source `{path}` {}", reason(&error))))
+}
+
 /// Why a file of the package cannot be read, without the place where it is unpacked.
-pub(super) fn reason(error: &input::Error) -> String {
+fn reason(error: &input::Error) -> String {
     match error {
         input::Error::Read { source, .. } => format!("cannot be read: {source}"),
         _ => "is not text in UTF-8".to_owned(),

@@ -2,18 +2,20 @@
 
 use super::bindings::mapping_file;
 use super::document::{
-    Binding, Child, Component, Element, Mapping, Source, System, SystemStructure, Type, Written,
+    Binding, Child, Component, Element, Kind, Source, System, SystemStructure, Type,
 };
-use super::package::{Package, find, mistake, reason, syntax};
+use super::given::{Given, given, mapped};
+use super::package::{Package, find, syntax, text};
 use super::read;
-use super::transformation::{NamedUnit, Transformation, Unit};
 use super::wiring::{Branch, Owner, Tree, Wiring};
 use crate::Error;
-use crate::fmu::{NameError, Scalar, Value, similar};
+use crate::fmu::{self, NameError, Scalar, Value, hint, similar};
 use crate::input::parameters::{Assignment, ParameterFile, checked};
 use crate::input::{self, Place, read_text};
-use model_description::ssv::{self, ParameterSet};
+use model_description::ssv;
+use model_description::xml::f64_text;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Values of all components and system connectors.
 #[derive(Debug, Default)]
@@ -23,18 +25,6 @@ pub(super) struct Values {
     /// Values of system connectors, by point, with the place where they are given.
     pub connectors: BTreeMap<usize, (f64, Place)>,
     pub warnings: Vec<String>,
-}
-
-/// A value on its way to what it is for.
-#[derive(Clone, Debug)]
-struct Given {
-    name: String,
-    text: String,
-    unit: Option<NamedUnit>,
-    place: Place,
-    /// After the unit conversion, which may be suppressed.
-    transformation: Option<Written>,
-    suppress_unit_conversion: bool,
 }
 
 /// What the user gives on top of the package.
@@ -157,22 +147,16 @@ impl Reader<'_> {
         component: Option<&Component>,
         place: &Place,
     ) -> Result<(String, String), Error> {
-        let (file, name) = match component.filter(|_| in_component) {
-            Some(component) => {
-                let parts = &self.wiring.parts;
-                let source = self.package.name(&component.source);
-                let part = parts.iter().find(|part| part.source == source);
-                let folder = part.map(|part| part.fmu.folder());
-                let file = folder.map_or(Err("is not there".to_owned()), |f| find(f, path));
-                let wrong = |why| syntax(place.clone(), format!("source `{path}` {why}"));
-                (file.map_err(wrong)?, format!("{source}/{path}"))
-            }
-            None => (self.package.resource(path, place)?, self.package.name(path)),
+        let Some(component) = component.filter(|_| in_component) else {
+            return Ok((self.package.text(path, place)?, self.package.name(path)));
         };
-        let text = read_text(&file).map_err(|error| {
-            syntax(place.clone(), format!("source `{path}` {}", reason(&error)))
-        })?;
-        Ok((text, name))
+        let source = self.package.name(&component.source);
+        let mut parts = self.wiring.parts.iter();
+        let part = parts.find(|part| part.source == source);
+        let folder = part.map(|part| part.fmu.folder());
+        let file = folder.map_or(Err("is not there".to_owned()), |f| find(f, path));
+        let file = file.map_err(|why| syntax(place.clone(), format!("source `{path}` {why}")))?;
+        Ok((text(&file, path, place)?, format!("{source}/{path}")))
     }
 
     /// Gives a value to all that its name means; whether there are any.
@@ -220,14 +204,7 @@ impl Reader<'_> {
             );
             return Err(syntax(given.place.clone(), message));
         }
-        let unit = variable.unit.as_ref().map(|name| {
-            let known = of.units.get(name).cloned();
-            known.unwrap_or(NamedUnit {
-                name: name.clone(),
-                unit: None,
-            })
-        });
-        let text = given.text_in(unit.as_ref(), &title)?;
+        let text = given.text_in(of.unit(scalar).as_ref(), &title)?;
         let value = checked(description, scalar, &given.place, &title, &text, None)?;
         self.values.parts[part].insert(scalar, value);
         Ok(true)
@@ -236,20 +213,31 @@ impl Reader<'_> {
     fn give_connector(&mut self, point: usize, given: &Given) -> Result<(), Error> {
         let of = &self.wiring.points[point];
         let text = given.text_in(of.unit.as_ref(), &of.path)?;
+        let items = match &of.signal {
+            Some(Type::Enumeration(name)) => self.structure.enumerations.get(name),
+            _ => None,
+        };
         let number = match (text.trim(), &of.signal) {
             ("true", _) => Some(1.0),
             ("false", _) => Some(0.0),
-            (text, Some(Type::Enumeration(name))) => {
-                let items = self.structure.enumerations.get(name);
+            (text, Some(Type::Enumeration(_))) => {
                 let item = items.and_then(|items| items.iter().find(|(item, _)| item == text));
                 item.map(|(_, value)| *value as f64)
             }
             (text, _) => text.parse().ok().filter(|number: &f64| number.is_finite()),
         };
-        let Some(number) = number else {
-            let message = format!("{} = {text:?}: expected a finite number", of.path);
-            return Err(syntax(given.place.clone(), message));
-        };
+        let number = number.ok_or_else(|| {
+            let names = |items: &Vec<(String, i64)>| {
+                let names: Vec<_> = items.iter().map(|(name, _)| name.as_str()).collect();
+                format!("one of {}", names.join(", "))
+            };
+            input::Error::Value {
+                place: given.place.clone(),
+                name: of.path.clone(),
+                value: text.clone(),
+                expected: items.map_or("a finite number".to_owned(), names),
+            }
+        })?;
         let place = given.place.clone();
         self.values.connectors.insert(point, (number, place));
         Ok(())
@@ -261,7 +249,7 @@ impl Reader<'_> {
             let shown = file.to_string();
             // The part before the equals sign is an element, unless there is such a file.
             let (prefix, path) = match shown.split_once('=') {
-                Some((element, path)) if !std::path::Path::new(&shown).exists() => {
+                Some((element, path)) if !Path::new(&shown).exists() => {
                     (format!("{element}."), path.to_owned())
                 }
                 _ => (String::new(), shown.clone()),
@@ -276,14 +264,9 @@ impl Reader<'_> {
             let side = assignment
                 .side
                 .map_or(String::new(), |side| format!("{side}."));
-            let given = Given {
-                name: format!("{side}{}", assignment.name.replacen(':', ".", 1)),
-                text: assignment.value.clone(),
-                unit: None,
-                place: assignment.place.clone(),
-                transformation: None,
-                suppress_unit_conversion: false,
-            };
+            let name = format!("{side}{}", assignment.name.replacen(':', ".", 1));
+            let (text, place) = (assignment.value.clone(), assignment.place.clone());
+            let given = Given::plain(name, text, place);
             self.by_user(&given)?;
         }
         Ok(())
@@ -307,122 +290,13 @@ impl Reader<'_> {
             settable.flat_map(|v| [v.name.clone(), format!("{}.{}", part.path, v.name)])
         });
         let names: Vec<String> = connectors.chain(variables).collect();
-        let similar = similar(&given.name, names.iter().map(String::as_str));
-        let hint = similar
-            .first()
-            .map_or(String::new(), |most| format!(", did you mean {most}?"));
+        let hint = hint(&similar(&given.name, names.iter().map(String::as_str)));
         let message = format!(
             "the system has nothing called {} to be set{hint}",
             given.name
         );
         Err(syntax(given.place.clone(), message))
     }
-}
-
-/// The values of a set, as they are in its file.
-fn given(set: &ParameterSet, file: &str, prefix: &str) -> Vec<Given> {
-    let unit = |name: &String| {
-        let declared = set.units.iter().find(|unit| unit.name == *name);
-        NamedUnit {
-            name: name.clone(),
-            unit: declared.and_then(|unit| Unit::of_attributes(unit.base.as_ref()?)),
-        }
-    };
-    let one = |parameter: &ssv::Parameter| Given {
-        name: format!("{prefix}{}", parameter.name),
-        text: parameter.value.to_string(),
-        unit: parameter.unit.as_ref().map(unit),
-        place: Place::new(file, Some(parameter.line.into())),
-        transformation: None,
-        suppress_unit_conversion: false,
-    };
-    set.parameters.iter().map(one).collect()
-}
-
-/// What a mapping makes of values: those that it does not name are dropped (SSP 1.0 sec 7.1).
-fn mapped(all: &[Given], mapping: &Mapping, file: &str) -> Result<Vec<Given>, input::Error> {
-    let one = |entry: &super::document::MappingEntry| {
-        let source = all.iter().find(|given| given.name == entry.source);
-        let given = source.ok_or_else(|| {
-            let place = Place::new(file, Some(entry.line.into()));
-            let names = all.iter().map(|given| given.name.as_str());
-            let hint = match similar(&entry.source, names).first() {
-                Some(most) => format!(", did you mean {most}?"),
-                None => String::new(),
-            };
-            mistake(
-                place,
-                format!(
-                    "mapping entry: no parameter is called {}{hint}",
-                    entry.source
-                ),
-            )
-        })?;
-        Ok(Given {
-            name: entry.target.clone(),
-            transformation: entry.transformation.clone(),
-            suppress_unit_conversion: entry.suppress_unit_conversion,
-            ..given.clone()
-        })
-    };
-    mapping.entries.iter().map(one).collect()
-}
-
-impl Given {
-    /// The value in the unit of what it is for, transformed, as text that reads back exactly.
-    fn text_in(&self, unit: Option<&NamedUnit>, title: &str) -> Result<String, Error> {
-        let wrong = |why: String| syntax(self.place.clone(), format!("{title}: {why}"));
-        let conversion = match (&self.unit, unit) {
-            (Some(from), Some(to)) if !self.suppress_unit_conversion => {
-                from.to(to).map_err(wrong)?
-            }
-            _ => Transformation::identity(),
-        };
-        let own = match &self.transformation {
-            None => Transformation::identity(),
-            Some(Written::Linear { factor, offset }) => Transformation::linear(*factor, *offset),
-            Some(Written::Boolean(entries)) => {
-                return look_up(entries, &self.text, |t| t.parse().ok()).map_err(wrong);
-            }
-            Some(Written::Integer(entries)) => {
-                return look_up(entries, &self.text, |t| t.parse().ok()).map_err(wrong);
-            }
-            Some(Written::Enumeration(entries)) => {
-                return look_up(entries, &self.text, |t| Some(t.to_owned())).map_err(wrong);
-            }
-        };
-        let whole = conversion.then(&own);
-        if whole.is_identity() {
-            return Ok(self.text.clone());
-        }
-        let number: Option<f64> = self.text.trim().parse().ok();
-        let Some(number) = number.and_then(|number| whole.apply(number)) else {
-            return Err(wrong(format!(
-                "{:?} is no number to be converted",
-                self.text
-            )));
-        };
-        Ok(if number.fract() == 0.0 && number.abs() < 1e15 {
-            format!("{number:.0}")
-        } else {
-            format!("{number:?}")
-        })
-    }
-}
-
-/// What a map has for a value.
-fn look_up<T: PartialEq + std::fmt::Display>(
-    entries: &[(T, T)],
-    text: &str,
-    parse: impl Fn(&str) -> Option<T>,
-) -> Result<String, String> {
-    let value = parse(text.trim());
-    let entry = entries
-        .iter()
-        .find(|(from, _)| Some(from) == value.as_ref());
-    entry
-        .map(|(_, to)| to.to_string())
-        .ok_or_else(|| format!("{text:?} is not in the mapping"))
 }
 
 /// The start value that a connector of a component has from its own chain, if it begins at a system connector.
@@ -441,7 +315,7 @@ pub(super) fn constants(wiring: &Wiring, values: &mut Values) -> Result<(), Erro
         let source = &wiring.points[origin.point];
         let place = wiring.place(origin.line);
         if let Owner::Part(..) = source.owner {
-            if point.kind == super::document::Kind::Parameter {
+            if point.kind == Kind::Parameter {
                 let message = format!(
                     "connection: {} feeds the parameter {}: only parameters of the system can",
                     source.path, point.path
@@ -463,9 +337,8 @@ pub(super) fn constants(wiring: &Wiring, values: &mut Values) -> Result<(), Erro
         let description = wiring.parts[part].description();
         let variable = description.variable(scalar);
         let text = match variable.kind {
-            crate::fmu::Kind::Boolean => (number != 0.0).to_string(),
-            _ if number.fract() == 0.0 && number.abs() < 1e15 => format!("{number:.0}"),
-            _ => format!("{number:?}"),
+            fmu::Kind::Boolean => (number != 0.0).to_string(),
+            _ => f64_text(number),
         };
         let value = checked(description, scalar, given, &point.path, &text, None)?;
         values.parts[part].insert(scalar, value);

@@ -366,15 +366,3 @@ fn connection<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Connection {
         line: r.line(node),
     }
 }
-
-/// Units that an FMU defines, by name (FMI 2.0 sec 2.2.2, FMI 3.0 sec 2.4.3).
-pub(super) fn units_of_fmu(description: Node<'_, '_>) -> BTreeMap<String, NamedUnit> {
-    let nodes = description.descendants().filter(|n| n.has_tag_name("Unit"));
-    let unit = |node: Node<'_, '_>| {
-        let name = node.attribute("name")?.to_owned();
-        let base = node.children().find(|c| c.has_tag_name("BaseUnit"));
-        let unit = base.and_then(Unit::new);
-        Some((name.clone(), NamedUnit { name, unit }))
-    };
-    nodes.filter_map(unit).collect()
-}

@@ -9,22 +9,21 @@ use super::parameters::{FromUser, Values, constants};
 use super::summary::SystemSummary;
 use super::wiring::{Owner, Wiring};
 use crate::Error;
-use crate::fmu::{Experiment, Instance, Message, short};
+use crate::fmu::{Experiment, Message, short};
 use crate::input::parameters::{Assignment, ParameterFile};
-use crate::input::{self, read_text};
+use crate::input::read_text;
+use crate::run::instances::{messages, start as start_instance};
 use crate::run::master::{Clock, Master};
 use crate::run::recording::Recording;
 use crate::run::summary::{Stopped, Unit};
 use crate::run::{Order, checks};
 use std::collections::BTreeMap;
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Communication step where neither the user nor the package nor an FMU names one \[s\].
 const STEP: f64 = 0.001;
-/// Communication steps of a run.
-const STEPS: RangeInclusive<f64> = 1.0..=1e9;
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -104,11 +103,10 @@ pub fn simulate_system(
     let start = structure.start.unwrap_or(0.0);
     let (table, inputs) = table(simulation, &package, &structure, &wiring, start)?;
     let step = step(simulation, &structure, &wiring);
-    let (until, origin) = until(simulation, &structure, &wiring, &table, start);
-    let steps = steps(until - start, step, &origin)?;
-    if simulation.record_every == 0 {
-        return Err(setting("--record", 0.0, "at least 1".to_owned()));
-    }
+    checks::points(step, simulation.record_every)?;
+    let over_time = (&table, inputs.as_deref());
+    let (until, origin) = until(simulation, &structure, &wiring, over_time, start);
+    let steps = steps(start, until, step, origin)?;
     let end = start + steps as f64 * step;
 
     let layout = Layout::new(&wiring, &values, &table);
@@ -126,7 +124,7 @@ pub fn simulate_system(
             paths.collect::<Vec<_>>().join(", ")
         ));
     }
-    let last = table.rows.last().map_or(start, |(time, _)| *time);
+    let last = table.rows.last().map_or(start, |row| row.time);
     if last >= end && table.rows.len() > 1 {
         warnings.push(format!(
             "inputs go on to {last} s, but the run ends at {end} s"
@@ -141,13 +139,9 @@ pub fn simulate_system(
     let mut instances = Vec::new();
     for &part in &order.order {
         let of = &wiring.parts[part];
-        let mut instance = of.fmu.instantiate(&of.path, simulation.logging)?;
-        let values: Vec<_> = values.parts[part]
-            .iter()
-            .map(|(scalar, value)| (*scalar, value.clone()))
-            .collect();
-        instance.set_start_values(&values)?;
-        instance.enter_initialization(&experiment)?;
+        let values = values.parts[part].iter();
+        let values: Vec<_> = values.map(|(at, value)| (*at, value.clone())).collect();
+        let instance = start_instance(&of.fmu, &of.path, &values, &experiment, simulation.logging)?;
         instances.push(instance);
     }
     let members = layout.members(&wiring, &order.order);
@@ -201,25 +195,8 @@ pub fn simulate_system(
         },
         connected: layout.connected(),
         recording: layout.derive(recording),
-        messages: messages(&instances),
+        messages: messages(instances.iter().map(|i| (i.name().to_owned(), i))),
         failure,
-    })
-}
-
-fn messages(instances: &[Instance]) -> Vec<(String, Message)> {
-    let of = |instance: &Instance| {
-        let name = instance.name().to_owned();
-        let messages = instance.messages().into_iter();
-        messages.map(move |message| (name.clone(), message))
-    };
-    instances.iter().flat_map(of).collect()
-}
-
-fn setting(name: &str, value: f64, expected: String) -> Error {
-    Error::Input(input::Error::Setting {
-        name: name.to_owned(),
-        value: short(value),
-        expected,
     })
 }
 
@@ -234,8 +211,8 @@ fn table(
     let (text, file) = match (&simulation.inputs, &structure.inputs) {
         (Some(path), _) => (read_text(path)?, path.display().to_string()),
         (None, Some((path, line))) => {
-            let file = package.resource(path, &wiring.place(*line))?;
-            (read_text(&file)?, package.name(path))
+            let place = wiring.place(*line);
+            (package.text(path, &place)?, package.name(path))
         }
         (None, None) => return Ok((Table::default(), None)),
     };
@@ -266,41 +243,38 @@ fn until(
     simulation: &SystemSimulation,
     structure: &SystemStructure,
     wiring: &Wiring,
-    table: &Table,
+    (table, inputs): (&Table, Option<&str>),
     start: f64,
 ) -> (f64, String) {
     if let Some(until) = simulation.until {
         return (until, "--until".to_owned());
     }
-    if let (Some(path), Some(end)) = (&simulation.inputs, table.end()) {
-        return (end, format!("{}: end of the inputs", path.display()));
+    // Those of the user count more than the stop time, those that the package carries less.
+    let first = simulation.inputs.is_some() || structure.stop.is_none();
+    if let (Some(file), Some(end), true) = (inputs, table.end(), first) {
+        return (end, format!("{file}: end of the inputs"));
     }
     if let Some(stop) = structure.stop {
         return (stop, format!("{}: stopTime", structure.file));
     }
     let parts = wiring.parts.iter();
     let stops = parts.filter_map(|part| part.description().default_experiment.stop_time);
-    match table.end().or(stops.reduce(f64::max)) {
+    match stops.reduce(f64::max) {
         Some(stop) => (stop, "default stop time of the FMUs".to_owned()),
         None => (start + 1.0, "end of the run".to_owned()),
     }
 }
 
-fn steps(duration: f64, step: f64, origin: &str) -> Result<usize, Error> {
-    if !(step.is_finite() && step > 0.0) {
-        return Err(setting("--step", step, "a positive time in s".to_owned()));
-    }
-    let steps = (duration / step + 1e-6).floor();
-    if STEPS.contains(&steps) {
-        return Ok(steps as usize);
-    }
-    let (low, high) = (short(STEPS.start() * step), short(STEPS.end() * step));
-    let expected = format!(
-        "a run that lasts [{low}, {high}] s with steps of {} s, not {} s",
-        short(step),
-        short(duration)
-    );
-    Err(setting(origin, duration, expected))
+/// Number of communication steps; `origin` says who gives the end.
+fn steps(start: f64, until: f64, step: f64, origin: String) -> Result<usize, Error> {
+    checks::whole_steps(until - start, step).ok_or_else(|| {
+        let bounds = [checks::STEPS.start(), checks::STEPS.end()];
+        let [low, high] = bounds.map(|steps| short(start + steps * step));
+        let (start, step) = (short(start), short(step));
+        let expected =
+            format!("a time in [{low}, {high}] s with steps of {step} s from {start} s on");
+        checks::setting(origin, until, expected).into()
+    })
 }
 
 fn order(wiring: &Wiring, links: &[Link], order: Order) -> Result<Sequence, Error> {

@@ -1,6 +1,6 @@
 //! Writes the `.ssd` of a drawing (SSP 1.0 sec 5).
 
-use super::drawing::{ABOVE, BOX, Drawing, LEFT, LOWER, Line, NAMES, WIDTH};
+use super::drawing::{ABOVE, BOX, Drawing, LEFT, LOWER, Line, WIDTH};
 use super::read::{INPUTS, OPENMODELICA, SSC, SSD};
 use crate::fmu::{Kind, Scalar};
 use crate::input::Side;
@@ -66,7 +66,7 @@ impl Writer<'_> {
         line!(self, "    </ssd:Connectors>");
         self.binding("    ", d.start.as_ref());
         line!(self, "    <ssd:Elements>");
-        for side in [Side::Controller, Side::Plant] {
+        for side in Side::BOTH {
             self.component(side);
         }
         line!(self, "    </ssd:Elements>");
@@ -109,11 +109,10 @@ impl Writer<'_> {
 
     fn component(&mut self, side: Side) {
         let d = self.drawing;
-        let (name, source) = (NAMES[side as usize], &d.sources[side as usize]);
         line!(
             self,
-            "      <ssd:Component name=\"{name}\" type=\"application/x-fmu-sharedlibrary\" source=\"{}\">",
-            escape(source)
+            "      <ssd:Component name=\"{side}\" type=\"application/x-fmu-sharedlibrary\" source=\"{}\">",
+            escape(&d.sources[side as usize])
         );
         line!(self, "        <ssd:Connectors>");
         let description = d.description(side);
@@ -192,7 +191,7 @@ impl Writer<'_> {
         let mut attributes = String::new();
         for ((element, connector), end) in drawn.ends.iter().zip(["start", "end"]) {
             if let Some(side) = element {
-                let _ = write!(attributes, " {end}Element=\"{}\"", NAMES[*side as usize]);
+                let _ = write!(attributes, " {end}Element=\"{side}\"");
             }
             let _ = write!(attributes, " {end}Connector=\"{}\"", escape(connector));
         }

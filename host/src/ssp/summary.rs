@@ -2,7 +2,7 @@
 
 use crate::run::Order;
 use crate::run::summary::{Stopped, Unit, number};
-use crate::table::aligned;
+use crate::table::quantities;
 use serde::{Deserialize, Serialize};
 
 /// What a run comes to. Everything but the wall-clock time is the same in every repetition.
@@ -66,8 +66,7 @@ impl SystemSummary {
 
     /// All quantities, aligned, under the headline.
     pub fn table(&self) -> String {
-        let mut table = aligned(["quantity", "value", "unit"], [1]);
-        table.add_rows(self.rows());
+        let table = quantities(self.rows());
         format!("{}\n{}", self.headline(), table.trim_fmt())
     }
 }

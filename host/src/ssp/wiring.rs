@@ -4,7 +4,7 @@
 use super::build::build;
 use super::document::{Kind, SystemStructure, Type};
 use super::package::{Package, mistake};
-use super::transformation::{NamedUnit, Transformation};
+use super::transformation::{NamedUnit, Transformation, Unit};
 use crate::Error;
 use crate::fmu::{Description, Fmu, Scalar};
 use crate::input::{self, Place};
@@ -18,15 +18,22 @@ pub(super) struct Part {
     pub fmu: Fmu,
     /// What the FMU is called in messages.
     pub source: String,
-    /// Units that it defines.
-    pub units: BTreeMap<String, NamedUnit>,
-    /// Text of its description, for what only the order of steps needs.
-    pub description: String,
 }
 
 impl Part {
     pub fn description(&self) -> &Description {
         self.fmu.description()
+    }
+
+    /// The unit of a variable, if it declares one.
+    pub fn unit(&self, scalar: Scalar) -> Option<NamedUnit> {
+        let description = self.description();
+        let name = description.variable(scalar).unit.as_ref()?;
+        let base = description.units.get(name);
+        Some(NamedUnit {
+            name: name.clone(),
+            unit: base.and_then(Unit::of_attributes),
+        })
     }
 }
 
@@ -114,10 +121,8 @@ impl Wiring {
                 }
             }
         }
-        match mistakes.len() {
-            0 => {}
-            1 => return Err(mistakes.remove(0).into()),
-            _ => return Err(input::Error::Several(mistakes).into()),
+        if let Some(mistakes) = input::Error::several(mistakes) {
+            return Err(mistakes.into());
         }
         wiring.warn_of_units();
         Ok(wiring)
