@@ -1,7 +1,7 @@
 """The C interface of a packaged FMU through ctypes, for calls that no well-behaved client makes."""
 
 import ctypes as c
-import os
+import tempfile
 from pathlib import Path
 
 import fmpy
@@ -37,11 +37,12 @@ class Fmu:
 
     def __init__(self, path: Path):
         self.description = read_model_description(str(path))
-        self.directory = extract(str(path))
         self.fmi3 = self.description.fmiVersion.startswith("3")
-        folder = "x86_64-linux" if self.fmi3 else "linux64"
+        folder = fmpy.platform_tuple if self.fmi3 else fmpy.platform
         name = self.description.coSimulation.modelIdentifier + fmpy.sharedLibraryExtension
-        self.library = c.CDLL(os.path.join(self.directory, "binaries", folder, name))
+        with tempfile.TemporaryDirectory() as directory:
+            extract(str(path), directory)
+            self.library = c.CDLL(str(Path(directory, "binaries", folder, name)))
         self.prefix = "fmi3" if self.fmi3 else "fmi2"
         self.token = (self.description.instantiationToken if self.fmi3 else self.description.guid).encode()
         variables = self.description.modelVariables

@@ -5,9 +5,9 @@ import math
 import random
 
 from abi import DOUBLES, LOG2, LOG3, REFERENCES, Callbacks, EventInfo, Fmu
+from fmus import SAMPLE
 
 OK, WARNING, ERROR = 0, 1, 3
-SAMPLE = 0.00025
 CALLS = 40
 
 # Modes: Instantiated, Initialization, Step, Event, Continuous-Time, clock Activation, Terminated. For each
@@ -46,12 +46,7 @@ class Sequence:
         self.trace: list[str] = []
         self.mode: str | None = "I"
         self.time, self.saved = 0.0, []
-        kinds = ["cs", "me"] + (["events"] if fmu.fmi3 else [])
-        if not fmu.clocks:
-            kinds = ["cs", "me"]
-        elif fmu.fmi3:
-            kinds.append("scheduled")
-        self.kind = self.random.choice(kinds)
+        self.kind = self.random.choice(["cs", "me"] + (["events", "scheduled"] if fmu.clocks else []))
         self.instance = c.c_void_p(self.instantiate())
         self.say(self.kind)
         if not self.instance:
@@ -162,31 +157,27 @@ class Sequence:
         values = (c.c_int64 * 1)()
         sizes = (c.c_size_t(1),) if self.fmu.fmi3 else ()
         types = (c.c_void_p, REFERENCES, c.c_size_t, c.c_void_p) + (c.c_size_t,) * len(sizes)
-        function = self.fmu.function(name, *types)
-        self.call(
-            "get_integer",
-            function(self.instance, (c.c_uint32 * 1)(reference), 1, values, *sizes),
-            False,
-            before,
-        )
+        reference = (c.c_uint32 * 1)(reference)
+        status = self.fmu.function(name, *types)(self.instance, reference, 1, values, *sizes)
+        self.call("get_integer", status, False, before)
 
     def do_set_input(self) -> None:
         """Write anything to an input."""
         before, (reference, legal) = self.messages, self.reference(self.fmu.inputs)
-        if legal:
-            self.call("set_input", self.set_float(reference, self.number()), legal, before)
-        else:
-            self.call("set_unknown", self.set_float(reference, self.number()), False, before)
+        rule = "set_input" if legal else "set_unknown"
+        self.call(rule, self.set_float(reference, self.number()), legal, before)
 
     def do_set_parameter(self) -> None:
         """Write something to a parameter, in range or out of it."""
         variable = self.random.choice(self.fmu.parameters)
         ends = [float(e) for e in (variable.min, variable.max, variable.start) if e is not None]
         value = self.random.choice([*ends, ends[-1] * self.random.uniform(0.5, 2.0), self.number()])
-        # Horizons as long as the contract admits are right, but slow.
-        before = self.messages
+        # To give a parameter the value that it has does no harm: some importers repeat all of them.
+        had = (c.c_double * 1)()
+        self.get_floats((c.c_uint32 * 1)(variable.valueReference), 1, had, 1)
+        rule, before = "set_again" if had[0] == value else "set_parameter", self.messages
         self.say(f"{variable.name} = {value}")
-        self.call("set_parameter_value", self.set_float(variable.valueReference, value), False, before)
+        self.call(rule, self.set_float(variable.valueReference, value), False, before)
 
     def do_initialize(self) -> None:
         """From Instantiated to the mode after initialization, or a part of the way."""
@@ -284,7 +275,7 @@ class Sequence:
 
     def do_clock(self) -> None:
         """Tick a clock or activate a partition."""
-        if not self.fmu.clocks or not self.fmu.fmi3:
+        if not self.fmu.clocks:
             return
         before = self.messages
         clock = self.random.choice([*self.fmu.clocks, *self.fmu.clocks, 3])
@@ -389,12 +380,9 @@ class Sequence:
 
     def run(self) -> None:
         """All calls, and the end."""
+        often = {"do_initialize": 8, "do_step": 6, "do_set_input": 6, "do_update": 6, "do_clock": 6}
         steps = [name for name in dir(self) if name.startswith("do_")]
-        weights = [6 if name in ("do_step", "do_set_input", "do_update", "do_clock") else 2 for name in steps]
-        weights = [
-            8 if name == "do_initialize" and self.mode == "I" else w
-            for name, w in zip(steps, weights, strict=True)
-        ]
+        weights = [often.get(name, 2) for name in steps]
         for _ in range(CALLS):
             getattr(self, self.random.choices(steps, weights)[0])()
         self.close()

@@ -6,6 +6,7 @@ makes both before it calls pytest.
 
 import json
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,14 @@ def fmu(version: str, unit: str) -> Path:
 def golden(name: str) -> dict:
     """Reference data of an independent simulation."""
     return json.loads((GOLDEN / f"{name}.json").read_text())
+
+
+def run(*command, code: int = 0, **options) -> subprocess.CompletedProcess:
+    """A program that must end with this code; `options` are those of `subprocess.run`."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
 
 
 @pytest.fixture(params=VERSIONS)

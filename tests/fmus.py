@@ -142,13 +142,17 @@ class Instance:
                 value = int(value)
             self.set(name, value)
 
-    def initialize(self, start: float = 0.0, stop: float | None = None, **inputs) -> None:
-        """Go through Initialization Mode with the inputs set."""
+    def enter_initialization(self, start: float = 0.0, stop: float | None = None) -> None:
+        """Into Initialization Mode."""
         if self.fmi3:
             self.fmu.enterInitializationMode(startTime=start, stopTime=stop)
         else:
             self.fmu.setupExperiment(startTime=start, stopTime=stop)
             self.fmu.enterInitializationMode()
+
+    def initialize(self, start: float = 0.0, stop: float | None = None, **inputs) -> None:
+        """Go through Initialization Mode with the inputs set."""
+        self.enter_initialization(start, stop)
         for name, value in inputs.items():
             self.set(name, value)
         self.fmu.exitInitializationMode()

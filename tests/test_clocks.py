@@ -3,8 +3,8 @@
 However the controller is driven, the same angles at the same instants give the same torques, to the bit.
 """
 
-import os
 from ctypes import c_double, c_int, c_uint32
+from functools import wraps
 from threading import Event, Lock, Thread
 
 import pytest
@@ -12,13 +12,8 @@ from fmpy import simulate_fmu
 from fmpy.fmi3 import (
     FMU3ScheduledExecution,
     FMU3Slave,
-    fmi3Boolean,
-    fmi3ClockUpdateCallback,
-    fmi3InstanceEnvironment,
     fmi3LockPreemptionCallback,
-    fmi3LogMessageCallback,
     fmi3UnlockPreemptionCallback,
-    printLogMessage,
 )
 
 from conftest import fmu
@@ -53,28 +48,26 @@ def recorded() -> dict[float, list[tuple[float, list]]]:
     return found
 
 
+class Eventful(FMU3Slave):
+    """Co-Simulation with Event Mode and early return."""
+
+    def instantiate(self, **arguments):
+        """As FMPy does, with both."""
+        super().instantiate(eventModeUsed=True, earlyReturnAllowed=True, **arguments)
+
+
 class EventfulCoSimulation(CoSimulation):
     """Co-Simulation in which the importer handles the events."""
 
-    clients = (
-        None,
-        type(
-            "Eventful",
-            (FMU3Slave,),
-            {
-                "instantiate": lambda self, **kwargs: FMU3Slave.instantiate(
-                    self, eventModeUsed=True, earlyReturnAllowed=True, **kwargs
-                )
-            },
-        ),
-    )
+    clients = (None, Eventful)
 
 
 class Preemptible(FMU3ScheduledExecution):
     """Scheduled Execution whose preemption locks are real; FMPy's do nothing."""
 
-    def instantiate(self, visible=False, loggingOn=False, logMessage=None):
-        """As FMPy does, with a lock between the threads of the partitions."""
+    @wraps(FMU3ScheduledExecution.fmi3InstantiateScheduledExecution)
+    def fmi3InstantiateScheduledExecution(self, *arguments):
+        """Puts a lock between the threads of the partitions in the place of FMPy's last two arguments."""
         mutex = Lock()
         self.unlocked = Event()
 
@@ -85,23 +78,8 @@ class Preemptible(FMU3ScheduledExecution):
             mutex.release()
             self.unlocked.set()
 
-        self.logMessage = fmi3LogMessageCallback(logMessage or printLogMessage)
-        self.callbacks = [
-            fmi3ClockUpdateCallback(lambda *_: None),
-            fmi3LockPreemptionCallback(lock),
-            fmi3UnlockPreemptionCallback(unlock),
-        ]
-        self.component = self.fmi3InstantiateScheduledExecution(
-            self.instanceName.encode(),
-            self.guid.encode(),
-            (os.path.join(self.unzipDirectory, "resources") + os.path.sep).encode(),
-            fmi3Boolean(visible),
-            fmi3Boolean(loggingOn),
-            fmi3InstanceEnvironment(),
-            self.logMessage,
-            *self.callbacks,
-        )
-        assert self.component
+        self.locks = [fmi3LockPreemptionCallback(lock), fmi3UnlockPreemptionCallback(unlock)]
+        return super().fmi3InstantiateScheduledExecution(*arguments[:-2], *self.locks)
 
 
 class ScheduledExecution(Instance):
@@ -120,6 +98,14 @@ def clocks(unit: Instance) -> dict[str, tuple[int, float]]:
         assert qualifier.value == 2
         found[name] = (reference, interval.value)
     return found
+
+
+def start(unit: Instance, values: dict) -> tuple[int, int]:
+    """Go through Initialization Mode; the references of clock.feedback and clock.plan."""
+    unit.configure(values)
+    unit.initialize()
+    feedback, plan = (unit.variables[f"clock.{name}"].valueReference for name in ("feedback", "plan"))
+    return feedback, plan
 
 
 def tick(unit: Instance, *references: int) -> None:
@@ -143,7 +129,7 @@ def apply(unit: Instance, k: int, row: tuple[float, list]) -> None:
 def test_intervals_are_parameters():
     with CoSimulation(fmu("fmi3", "FlexArmController")) as unit:
         unit.configure({"sample_period": "0.001", "nmpc.period": "0.02"})
-        unit.fmu.enterInitializationMode(startTime=0.0)
+        unit.enter_initialization()
         found = clocks(unit)
         assert {name: interval for name, (_, interval) in found.items()} == {
             "clock.feedback": 0.001,
@@ -158,11 +144,7 @@ def test_intervals_are_parameters():
 def test_clocks_take_the_place_of_time(recorded, interface):
     rows = recorded[0.0]
     with interface(fmu("fmi3", "FlexArmController")) as unit:
-        unit.configure(hot_pendulum())
-        unit.fmu.enterInitializationMode(startTime=0.0)
-        found = clocks(unit)
-        feedback, plan = found["clock.feedback"][0], found["clock.plan"][0]
-        unit.fmu.exitInitializationMode()
+        feedback, plan = start(unit, hot_pendulum())
         for k, row in enumerate(rows):
             apply(unit, k, row)
             tick(unit, *([feedback, plan] if k % PER_PLAN == 0 else [feedback]))
@@ -180,10 +162,8 @@ def test_clocks_take_the_place_of_time(recorded, interface):
 def test_event_mode_without_clocks(recorded):
     """Steps of 1.3 samples end at each sample, where the importer sets the inputs and updates."""
     with EventfulCoSimulation(fmu("fmi3", "FlexArmController")) as unit:
-        unit.configure(hot_pendulum())
-        unit.fmu.enterInitializationMode(startTime=0.0)
-        unit.fmu.exitInitializationMode()
-        time, k = 0.0, 0
+        start(unit, hot_pendulum())
+        time = 0.0
         for k, row in enumerate(recorded[0.0]):
             apply(unit, k, row)
             _, _, _, _, defined, instant = unit.fmu.updateDiscreteStates()
@@ -202,11 +182,7 @@ def test_scheduled_execution_is_the_delayed_planner(recorded, latency):
     A plan that is ready when its latency has gone by is the same plan, to the bit.
     """
     with ScheduledExecution(fmu("fmi3", "FlexArmController")) as unit:
-        unit.configure(hot_pendulum() | {"nmpc.latency": str(latency)})
-        unit.fmu.enterInitializationMode(startTime=0.0)
-        found = clocks(unit)
-        unit.fmu.exitInitializationMode()
-        feedback, plan = found["clock.feedback"][0], found["clock.plan"][0]
+        feedback, plan = start(unit, hot_pendulum() | {"nmpc.latency": str(latency)})
         planner = None
         for k, row in enumerate(recorded[latency]):
             if planner is not None and k % PER_PLAN == round(latency / SAMPLE):
@@ -230,23 +206,20 @@ def test_scheduled_execution_is_the_delayed_planner(recorded, latency):
 def test_a_planner_that_stops_leaves_the_arm_at_rest():
     """The last plan goes on to its end, and says that it is not a new one."""
     with ScheduledExecution(fmu("fmi3", "FlexArmController")) as unit:
-        unit.configure(hot_pendulum())
-        unit.fmu.enterInitializationMode(startTime=0.0)
-        found = clocks(unit)
-        unit.fmu.exitInitializationMode()
+        feedback, plan = start(unit, hot_pendulum())
         unit.set("angle", 0.8)
         unit.set("setpoint", 1.0)
         for k in range(10_000):
-            unit.fmu.activateModelPartition(found["clock.feedback"][0], k * SAMPLE)
+            unit.fmu.activateModelPartition(feedback, k * SAMPLE)
             if k == 0:
-                unit.fmu.activateModelPartition(found["clock.plan"][0], 0.0)
+                unit.fmu.activateModelPartition(plan, 0.0)
             assert unit.get("nmpc.status") == (0 if k == 0 else 1 if k <= PER_PLAN else 5), k
         assert unit.get("reference.velocity") == 0.0
         assert unit.get("reference.angle") == pytest.approx(unit.get("nmpc.goal"), abs=1e-6)
 
 
 def test_fmpy_drives_events():
-    """FMPy's own master in Event Mode: the same outputs as without."""
+    """FMPy's own master in Event Mode: the same outputs as without, to the bit."""
     results = [
         simulate_fmu(
             str(fmu("fmi3", "FlexArmController")),
@@ -262,9 +235,11 @@ def test_fmpy_drives_events():
         )
         for use in (False, True)
     ]
-    at = [{round(row["time"], 9): row["reference.angle"] for row in result} for result in results]
-    common = sorted(set(at[0]) & set(at[1]))
-    assert len(common) > 90
+    # Of the rows at an event the last one, after it, stays.
+    plain, eventful = [{round(row["time"], 9): tuple(row)[1:] for row in result} for result in results]
+    assert len(plain) == 101 and len(eventful) == 401
+    del plain[0.0]
     # Without Event Mode a sample at the end of a step belongs to the next one.
-    for time in common:
-        assert abs(at[0][time] - at[1][time]) < 1e-4
+    for time, row in plain.items():
+        assert row == eventful[round(time - SAMPLE, 9)], time
+    assert len(set(plain.values())) == 100

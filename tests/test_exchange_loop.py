@@ -165,8 +165,9 @@ def test_score_is_that_of_co_simulation(version, arm):
     print(
         f"\n{version} {arm}: score {score[0]:.8f} ME, {score[1]:.8f} CS, {difference:.1e} rad apart at most"
     )
-    assert score[0] == pytest.approx(score[1], rel=0.01)
-    assert difference < 1e-3
+    # 2e-5 and 3.4e-5 rad are measured: in Co-Simulation eq 13 is one Euler step a sample, hence they differ.
+    assert score[0] == pytest.approx(score[1], rel=1e-4)
+    assert difference < 1e-4
 
 
 def test_every_sample_is_that_of_co_simulation(version):

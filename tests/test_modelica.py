@@ -7,16 +7,16 @@ import sys
 
 import numpy as np
 import pytest
+import rumoca
 from fmpy import simulate_fmu
 
 from conftest import fmu
-from fmus import CoSimulation
+from fmus import SAMPLE, CoSimulation
 from modelica_package import PACKAGE, STAND_IN, members, source
 
 STOP, STEP_TIME = 2.0, 0.5
 BEFORE, AFTER = 3.1, 3.5
 PLANT = ["Arm", "Motor", "Encoder", "Plant"]
-SAMPLE = 0.00025
 
 
 def fmu_step_response(version: str) -> np.ndarray:
@@ -51,13 +51,13 @@ def compare(tool: str, version: str, time: np.ndarray, native: dict[str, np.ndar
     moved = np.ptp(reference["angle"])
     print(f"\n{tool} against {version}: {differences} in rad, rad/s, A2 over {moved:.3f} rad")
     assert moved > 0.05
-    assert differences["angle"] <= 1e-6
-    assert differences["velocity"] <= 1e-5
-    assert differences["thermal_load"] <= 1e-6
+    # Ten times what rumoca shows, whose solver and CVode both keep 1e-10 relative to the state.
+    assert differences["angle"] <= 4e-8
+    assert differences["velocity"] <= 2e-7
+    assert differences["thermal_load"] <= 1e-11
 
 
 def test_rumoca_simulates_the_plant_like_the_fmu(version):
-    rumoca = pytest.importorskip("rumoca")
     model = rumoca.Session().loads(source(), model="FlexArm.Examples.TorqueStep")
     assert model.structure().is_balanced
     config = rumoca.SimConfig(rtol=1e-10, atol=1e-12)
@@ -67,9 +67,11 @@ def test_rumoca_simulates_the_plant_like_the_fmu(version):
     compare("rumoca", version, np.asarray(result.time), native)
 
 
-@pytest.mark.skipif(sys.version_info < (3, 12), reason="the Modelica tool `modelica` needs Python 3.12")
+# One tool may be lenient where another is not, so this one is kept although it has no release for
+# Python 3.11, on which all other tests run. To run it: `python3.12 -m venv --clear target/venv`, then
+# `cargo xtask test -- -k second_tool`.
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="`modelica` needs Python 3.12: see the comment there")
 def test_a_second_tool_simulates_the_plant_like_the_fmu(version):
-    pytest.importorskip("modelica")
     from modelica.lang import parse
     from modelica.sim import causalize, flatten, simulate
 
@@ -93,12 +95,10 @@ end TorqueStep;
 
 @pytest.mark.parametrize("name", PLANT)
 def test_rumoca_compiles_every_component_that_calls_no_c(name):
-    rumoca = pytest.importorskip("rumoca")
     rumoca.Session().loads(source(), model=f"FlexArm.Components.{name}")
 
 
 def test_rumoca_parses_every_file():
-    rumoca = pytest.importorskip("rumoca")
     files = sorted(PACKAGE.rglob("*.mo"))
     assert len(files) > 30
     for path in files:
@@ -138,7 +138,7 @@ class Wrapper:
         include = ["-I", STAND_IN, "-I", PACKAGE / "Resources" / "Include"]
         warnings = ["-Wall", "-Wextra", "-Werror"]
         shared = ["-shared", "-fPIC", STAND_IN / "driver.c", "-o", library, "-ldl"]
-        command = ["gcc", "-std=gnu99", *warnings, *include, *shared]
+        command = ["cc", "-std=gnu99", *warnings, *include, *shared]
         subprocess.run(command, check=True)
         self.c = ctypes.CDLL(str(library))
         self.c.construct.restype = ctypes.c_void_p
@@ -155,7 +155,6 @@ class Wrapper:
         self.object = self.c.construct(
             str(libraries or PACKAGE / "Resources" / "Library").encode(),
             contract["token"].encode(),
-            ctypes.c_double(0.0),
             ctypes.c_double(SAMPLE),
             ints(contract["inputs"]),
             ints(contract["realOutputs"]),
@@ -196,12 +195,13 @@ def wrapper(tmp_path_factory) -> Wrapper:
     return Wrapper(tmp_path_factory.mktemp("modelica"))
 
 
-def test_the_c_interface_gives_what_the_fmu_gives_to_the_bit(wrapper):
+@pytest.mark.parametrize("start", [0.0, 5.0, -0.1])
+def test_the_c_interface_gives_what_the_fmu_gives_to_the_bit(wrapper, start):
     path = fmu("fmi2", "FlexArmController")
     contract = constants()
     with CoSimulation(path) as unit:
         values = start_values(unit)
-        horizon = contract["integerParameters"].index(511)
+        horizon = contract["integerParameters"].index(unit.variables["nmpc.horizon"].valueReference)
         values["integer"][horizon] = 20
         unit.set("nmpc.horizon", 20)
         unit.initialize()
@@ -213,13 +213,13 @@ def test_the_c_interface_gives_what_the_fmu_gives_to_the_bit(wrapper):
             unit.set("angle", angle)
             unit.set("setpoint", setpoint)
             unit.step(now)
-            reals, integers = wrapper.sample(now, angle, setpoint)
+            reals, integers = wrapper.sample(start + now, angle, setpoint)
             assert reals == unit.fmu.getReal(contract["realOutputs"]), now
             assert integers == unit.fmu.getInteger(contract["integerOutputs"]), now
             # An event iteration is no sample.
-            assert wrapper.sample(now, angle + 1, setpoint) == (reals, integers)
+            assert wrapper.sample(start + now, angle + 1, setpoint) == (reals, integers)
             torques.add(reals[0])
-        print(f"\n2000 samples, {len(torques)} different torques, all equal to the bit")
+        print(f"\n2000 samples from {start} s on, {len(torques)} different torques, all equal to the bit")
         assert len(torques) > 1000
         wrapper.destroy()
 

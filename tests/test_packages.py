@@ -1,6 +1,7 @@
 """What independent checkers say of the packages, and what the packages hold."""
 
 import io
+import re
 import subprocess
 import sys
 import zipfile
@@ -8,7 +9,7 @@ import zipfile
 import pytest
 from fmpy.validation import validate_fmu
 
-from conftest import DIST, ROOT, UNITS, fmu
+from conftest import DIST, ROOT, UNITS, fmu, run
 
 BINARIES = {"fmi2": "binaries/linux64", "fmi3": "binaries/x86_64-linux"}
 
@@ -85,3 +86,14 @@ def test_wrong_token_is_refused(version, unit, tmp_path):
 def test_readme_names_what_exists():
     readme = (ROOT / "README.md").read_text()
     assert "cargo xtask demo" in readme and "cargo xtask test" in readme
+
+
+def test_the_page_for_fmpy_does_what_it_says():
+    page = (ROOT / "docs" / "tools" / "fmpy.md").read_text()
+    script = re.search(r"```python\n(from fmpy import .*?)```", page, re.DOTALL)[1]
+    done = run(sys.executable, "-c", script + "print(len(result), result.dtype.names)", cwd=ROOT)
+    assert done.stdout == "8001 ('time', 'angle', 'velocity', 'thermal_fraction')\n"
+    commands = re.findall(r"^    fmpy (.*)", page, re.MULTILINE)
+    assert len(commands) == 2
+    for command in commands:
+        run(sys.executable, "-m", "fmpy", *command.split(), cwd=ROOT)

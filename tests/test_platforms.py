@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+import conftest
 from conftest import DIST, ROOT, UNITS, fmu
 from test_host import schedule, sets
 
@@ -86,10 +87,8 @@ def foreign(request):
 
 
 def run(*command, env: dict | None = None) -> str:
-    words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, env=env, timeout=600, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    """What a program prints."""
+    return conftest.run(*command, env=env, timeout=600).stdout
 
 
 @pytest.mark.parametrize("unit", UNITS)
@@ -104,8 +103,10 @@ def test_binaries_ask_for_what_every_system_has(unit, folder, tmp_path):
     """Seen by binutils, beside the check in the packaging."""
     with zipfile.ZipFile(fmu("fmi3", unit)) as package:
         path = package.extract(f"binaries/{folder}/{unit}{BINARIES['fmi3'][folder]}", tmp_path)
+    print(f"\n{folder} {unit}: {Path(path).stat().st_size / 1e6:.2f} MB")
     if folder == "x86_64-windows":
         needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", run("objdump", "-p", path))}
+        print(sorted(needed))
         crt = {name for name in needed if name.startswith("api-ms-win-crt-")}
         assert needed - crt <= WINDOWS, needed
         return
@@ -113,7 +114,9 @@ def test_binaries_ask_for_what_every_system_has(unit, folder, tmp_path):
     assert needed <= LINUX, needed
     versions = re.findall(r"Name: (\w+_[\d.]+)", run("readelf", "--version-info", path))
     assert versions
-    assert max(tuple(map(int, v.removeprefix("GLIBC_").split("."))) for v in versions) <= (2, 17)
+    newest = max(tuple(map(int, v.removeprefix("GLIBC_").split("."))) for v in versions)
+    print(sorted(needed), "GLIBC_{}.{}".format(*newest))
+    assert newest <= (2, 17)
 
 
 @pytest.mark.parametrize("instructions", ["baseline", "automatic"])

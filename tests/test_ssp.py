@@ -13,7 +13,8 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from lxml import etree
 
-from conftest import DIST, ROOT, fmu
+from conftest import DIST, ROOT, fmu, run
+from fmus import SAMPLE
 from test_foreign import wheel
 
 SCHEMAS = Path(fmpy.ssp.__file__).parent / "schema"
@@ -28,13 +29,6 @@ SHIPPED = sorted(DIST.glob("FlexArm.ssp")) + sorted((DIST / "ssp").glob("*/*.ssp
 def system(version: str) -> Path:
     """The connected pair with the FMUs of a version."""
     return DIST / "FlexArm.ssp" if version == "fmi2" else DIST / "ssp" / "fmi3" / "FlexArm.ssp"
-
-
-def run(*command, code: int = 0, cwd: Path | None = None) -> subprocess.CompletedProcess:
-    words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=cwd)
-    assert done.returncode == code, done.stdout + done.stderr
-    return done
 
 
 def columns(results: Path) -> dict[str, numpy.ndarray]:
@@ -114,24 +108,28 @@ def test_an_experiment_is_what_its_file_says(flexarm, tmp_path, version):
 
 def test_fmpy_runs_it(flexarm, tmp_path):
     """FMPy steps side by side; it applies no parameter bindings, which the T-flex does not need."""
+    # Between two plans: both see the move in time for the same one.
+    move = 1.49
 
     def setpoint(time):
-        return 1.1271 if time < 0.5 - 1e-9 else 1.1735
+        return 1.1271 if time < move - 1e-9 else 1.1735
 
-    found = simulate_ssp(str(system("fmi2")), stop_time=1, step_size=0.00025, input={"setpoint": setpoint})
+    found = simulate_ssp(str(system("fmi2")), stop_time=2, step_size=SAMPLE, input={"setpoint": setpoint})
     inputs = tmp_path / "setpoints.csv"
-    inputs.write_text("time,setpoint\n0,1.1271\n0.5,1.1735\n")
+    inputs.write_text(f"time,setpoint\n0,1.1271\n{move},1.1735\n")
     run(
-        *(flexarm, "simulate", system("fmi2"), "--setpoints", inputs, "--until", 1),
+        *(flexarm, "simulate", system("fmi2"), "--setpoints", inputs, "--until", 2),
         *("--order", "side-by-side", "-o", tmp_path / "out"),
     )
     ours = columns(tmp_path / "out" / "results.csv")
     # FMPy's row holds outputs at the end of its step. It feeds the first step with zeros: the controller
-    # believes that the arm is at 0 rad and takes a while to find out.
-    difference = abs(found["plant.angle"][: len(ours["time"]) - 1] - ours["plant.angle"][1:])
-    print(f"differences {difference[100:].max():.1e} rad, in the end {difference[-400:].max():.1e} rad")
-    assert found["plant.angle"][-1] == pytest.approx(1.1735, abs=1e-4)
-    assert difference[-400:].max() < 1e-4
+    # believes that the arm is at 0 rad and takes a second to find out; the hysteresis remembers it.
+    settled = round(1 / SAMPLE)
+    theirs, ours = found["plant.angle"][settled : len(ours["time"]) - 1], ours["plant.angle"][settled + 1 :]
+    difference = abs(theirs - ours).max()
+    print(f"{difference:.1e} rad apart after a second, {abs(theirs[1:] - ours[:-1]).max():.1e} a step later")
+    assert theirs[-1] == pytest.approx(1.1735, abs=1e-5)
+    assert difference < 2e-6
 
 
 def closed(source: Path, target: Path) -> None:
@@ -162,8 +160,9 @@ import os
 from ecospy import EcosSimulation
 with EcosSimulation(ssp_path="closed.ssp", step_size=0.00025) as simulation:
     simulation.init(parameter_set="T-flex")
-    simulation.step_until(1)
-    print("angle", simulation.get_real("plant::angle"), flush=True)
+    for time in (0.05, 0.1, 0.2):
+        simulation.step_until(time)
+        print("angle", repr(simulation.get_real("plant::angle")), flush=True)
     os._exit(0)
 """
 
@@ -176,14 +175,14 @@ def test_ecos_runs_it(flexarm, tmp_path, version):
     if "libtbb" in done.stderr:
         pytest.skip("ecos needs libtbb12")
     assert done.returncode == 0, done.stdout + done.stderr
-    theirs = float(done.stdout.rsplit("angle", 1)[1])
+    theirs = [float(line.split()[1]) for line in done.stdout.splitlines() if line.startswith("angle ")]
     run(
-        *(flexarm, "simulate", "closed.ssp", "--order", "side-by-side", "--until", 1, "-o", "out"),
+        *(flexarm, "simulate", "closed.ssp", "--order", "side-by-side", "--until", 0.2, "-o", "out"),
         cwd=tmp_path,
     )
     ours = columns(tmp_path / "out" / "results.csv")["plant.angle"]
-    print(f"ecos {theirs!r}, ours {ours[-1]!r}")
-    assert theirs == pytest.approx(1.1, abs=1e-6) and ours[-1] == pytest.approx(1.1, abs=1e-6)
+    # In the midst of the move, to the bit. ecos stops a step before the instant that it is told.
+    assert theirs == [ours[round(time / SAMPLE) - 1] for time in (0.05, 0.1, 0.2)]
 
 
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
@@ -291,7 +290,7 @@ def test_our_host_runs_anothers(flexarm, tmp_path, masses):
         errors.append(abs(positions - exact).max())
     print(f"largest errors {errors}")
     # Positions hold for a communication step, and the FMUs make one Euler step of it: first order.
-    assert errors[0] < 0.02 and 1.5 < errors[0] / errors[1] < 3
+    assert errors[0] < 0.016 and 1.9 < errors[0] / errors[1] < 2.1
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert [name for name, _ in summary["components"]] == ["left", "right"]
     assert "left.x1" in (tmp_path / "out" / "plot.svg").read_text()
@@ -312,8 +311,10 @@ def test_fmpy_agrees_on_anothers(flexarm, tmp_path, masses):
     run(flexarm, "simulate", path, "--step", 0.001, "--order", "side-by-side", "-o", tmp_path / "out")
     ours = columns(tmp_path / "out" / "results.csv")
     for name in ("left.x1", "right.x2"):
-        # FMPy feeds the first step with zeros.
-        assert abs(theirs[name][: len(ours["time"]) - 1] - ours[name][1:]).max() < 2e-3
+        # FMPy feeds the first step with zeros: 7.2e-4 is measured.
+        difference = abs(theirs[name][: len(ours["time"]) - 1] - ours[name][1:]).max()
+        print(f"{name}: {difference:.1e}")
+        assert difference < 8e-4
 
 
 BAD = {

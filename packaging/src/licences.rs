@@ -1,4 +1,4 @@
-//! The licences that an FMU must carry: ours and those of the crates linked into its binary.
+//! The licences that a binary carries along: ours and those of what is linked into it.
 
 use crate::archive::Archive;
 use crate::cargo;
@@ -11,30 +11,39 @@ use std::path::Path;
 /// Folder of licences in both versions of the standard.
 const FOLDER: &str = "documentation/licenses";
 
-/// The licence files of one unit, by their path in the FMU.
+/// A library that a linker adds to binaries.
+pub struct Runtime {
+    /// Name, platforms and licence.
+    pub title: &'static str,
+    /// The text of its licence, if binaries must carry it.
+    pub notice: Option<String>,
+}
+
+/// The licence files of one unit, by name.
 pub struct Licences(BTreeMap<String, Vec<u8>>);
 
 impl Licences {
     /// Collects the licences of `package` and of everything linked into it for these targets.
-    /// `runtime` are name and licence of what the linker adds.
     pub fn collect(
         workspace: &Workspace,
         triples: &[&str],
         package: &str,
-        runtime: &[(&str, String)],
+        runtime: &[Runtime],
     ) -> Result<Self, String> {
         let metadata = cargo::metadata(workspace, triples)?;
         let mut files = BTreeMap::new();
         for own in ["LICENSE-MIT", "LICENSE-APACHE"] {
-            files.insert(format!("{FOLDER}/{own}.txt"), workspace.read_bytes(own)?);
+            files.insert(format!("{own}.txt"), workspace.read_bytes(own)?);
         }
         // Most crates share a text word for word: each text stands once, under those that carry it.
         let mut notices: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         let mut list = String::new();
-        for (name, text) in runtime {
-            list += &format!("  {name}\n");
-            let titles = notices.entry(text.clone()).or_default();
-            titles.insert((*name).to_owned());
+        for Runtime { title, notice } in runtime {
+            list += &format!("  {title}\n");
+            if let Some(text) = notice {
+                let titles = notices.entry(text.clone()).or_default();
+                titles.insert((*title).to_owned());
+            }
         }
         for linked in linked(&metadata, package)? {
             // Crates of this workspace have no source; they share our licence.
@@ -62,16 +71,22 @@ impl Licences {
             format!("{rule}\n{}\n{rule}\n\n{text}\n\n", crates.join("\n"))
         };
         let notices: String = notices.iter().map(notice).collect();
-        files.insert(format!("{FOLDER}/license.txt"), entry.into_bytes());
-        files.insert(format!("{FOLDER}/third-party.txt"), notices.into_bytes());
+        files.insert("license.txt".to_owned(), entry.into_bytes());
+        files.insert("third-party.txt".to_owned(), notices.into_bytes());
         Ok(Self(files))
     }
 
     /// Puts the files into an FMU.
     pub fn add_to(&self, archive: &mut Archive) {
-        for (path, content) in &self.0 {
-            archive.add(path, content.clone());
+        for (name, content) in self.files() {
+            archive.add(format!("{FOLDER}/{name}"), content);
         }
+    }
+
+    /// Names and contents.
+    pub fn files(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        let files = self.0.iter();
+        files.map(|(name, content)| (name.as_str(), content.as_slice()))
     }
 }
 

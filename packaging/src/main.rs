@@ -45,7 +45,8 @@ enum Command {
     /// Build both units and write the FMUs, parameter sets and system structures to dist/
     ///
     /// Writes dist/fmi2/*.fmu, dist/fmi3/*.fmu (the same binaries, described for each version of the
-    /// standard), dist/parameters/*.ssv, connected dist/FlexArm.ssp and dist/ssp/, and the Modelica package dist/FlexArm. Equal inputs give equal bytes.
+    /// standard), dist/parameters/*.ssv, connected dist/FlexArm.ssp and dist/ssp/, and the Modelica package
+    /// dist/FlexArm. Equal inputs give equal bytes.
     Package {
         /// Carry binaries for 64-bit Windows, Linux and Linux on ARM, on systems since 2012
         ///

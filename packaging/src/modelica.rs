@@ -9,7 +9,7 @@ mod contract;
 mod parameters;
 
 use crate::archive::write_whole;
-use crate::platform::Platform;
+use crate::fmu::Content;
 use crate::workspace::{Workspace, announce};
 use model_description::ModelDescription;
 use std::collections::BTreeMap;
@@ -23,14 +23,14 @@ const PACKAGE: &str = "dist/FlexArm";
 /// Files of the package by path.
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// Writes the package anew, and nothing else into its folder; returns its path in the project. `binaries` are the controller's.
+/// Writes the package anew, and nothing else into its folder; returns its path in the project.
 pub fn write(
     workspace: &Workspace,
-    units: [&ModelDescription; 2],
-    binaries: &[(Platform, Vec<u8>)],
+    plant: &ModelDescription,
+    content: &Content,
 ) -> Result<String, String> {
     announce("Writing the Modelica package");
-    let [_, controller] = units;
+    let controller = &content.description;
     let mut files = Files::new();
     sources(workspace, "", &mut files)?;
     for text in files.values_mut() {
@@ -40,18 +40,17 @@ pub fn write(
                 .into_bytes();
         }
     }
-    parameters::add(workspace, units, &mut files)?;
+    parameters::add(workspace, [plant, controller], &mut files)?;
     contract::add(controller, &mut files)?;
-    for (platform, binary) in binaries {
+    for (platform, binary) in &content.binaries {
         // Modelica names the platforms as FMI 2.0 does, libraries as the linker of each knows them.
         let prefix = if platform.is_linux() { "lib" } else { "" };
         let (folder, suffix) = (platform.fmi2, platform.suffix);
         let path = format!("Resources/Library/{folder}/{prefix}FlexArmController{suffix}");
         files.insert(path, binary.clone());
     }
-    for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        let path = format!("Resources/Licenses/{licence}.txt");
-        files.insert(path, workspace.read_bytes(licence)?);
+    for (name, text) in content.licences.files() {
+        files.insert(format!("Resources/Licenses/{name}"), text.to_vec());
     }
 
     let folder = workspace.path(PACKAGE);

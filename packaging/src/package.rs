@@ -3,7 +3,7 @@
 use crate::archive::write_whole;
 use crate::cargo::Products;
 use crate::fmu::{Content, Version};
-use crate::licences::Licences;
+use crate::licences::{Licences, Runtime};
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
@@ -79,11 +79,8 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
         eprintln!("{path}");
     }
     if let [plant, controller] = &contents[..] {
-        let units = [&plant.description, &controller.description];
-        eprintln!(
-            "{}",
-            modelica::write(workspace, units, &controller.binaries)?
-        );
+        let path = modelica::write(workspace, &plant.description, controller)?;
+        eprintln!("{path}");
     }
     Ok(())
 }
@@ -91,7 +88,9 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
 /// Libraries by platform, and what the linker added to them.
 struct Built {
     products: Vec<(Platform, Products)>,
-    runtime: Vec<(&'static str, String)>,
+    /// The targets that they are built for.
+    triples: Vec<&'static str>,
+    runtime: Vec<Runtime>,
 }
 
 fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
@@ -102,6 +101,7 @@ fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
             let products = cargo::build(workspace, &packages, Some(this.native))?;
             Ok(Built {
                 products: vec![(this, products)],
+                triples: vec![this.native],
                 runtime: Vec::new(),
             })
         }
@@ -109,6 +109,7 @@ fn build(workspace: &Workspace, platforms: Platforms) -> Result<Built, String> {
             let toolchain = Toolchain::prepare(workspace, &Platform::ALL)?;
             Ok(Built {
                 products: toolchain.build(workspace, &packages)?,
+                triples: Platform::ALL.map(|p| p.portable).to_vec(),
                 runtime: toolchain.runtime()?,
             })
         }
@@ -120,11 +121,11 @@ fn contents(
     descriptions: Vec<ModelDescription>,
     built: &Built,
 ) -> Result<Vec<Content>, String> {
-    let Built { products, runtime } = built;
-    let triples: Vec<_> = products
-        .iter()
-        .map(|(platform, _)| platform.portable)
-        .collect();
+    let Built {
+        products,
+        triples,
+        runtime,
+    } = built;
     let mut contents = Vec::new();
     for (unit, description) in UNITS.iter().zip(descriptions) {
         let mut binaries = Vec::new();
@@ -144,7 +145,7 @@ fn contents(
             |kind: &str| workspace.read_bytes(&format!("packaging/assets/{}.{kind}", unit.art));
         contents.push(Content {
             binaries,
-            licences: Licences::collect(workspace, &triples, unit.package, runtime)?,
+            licences: Licences::collect(workspace, triples, unit.package, runtime)?,
             terminals: workspace.read_bytes(TERMINALS)?,
             page: page::write(workspace, &description, unit.art, "")?,
             icon_png: art("png")?,

@@ -7,7 +7,7 @@ use crate::{cargo, package, shooting};
 use std::path::Path;
 
 /// The experiments in the order of the paper.
-const EXPERIMENTS: [&str; 10] = [
+pub const EXPERIMENTS: [&str; 10] = [
     "moving-mass",
     "identification",
     "angle-torque",

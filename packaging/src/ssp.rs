@@ -3,23 +3,14 @@
 //! `flexarm export` makes them, as it does for a user's own experiments.
 
 use crate::fmu::Version;
+use crate::reproduce::EXPERIMENTS;
 use crate::workspace::{Workspace, announce};
 use std::ffi::OsStr;
 
 /// What FlexArm.ssp holds.
 const SYSTEM: &str = "packaging/assets/system.toml";
-/// Experiments whose runs need no results of others.
-const EXPERIMENTS: [&str; 9] = [
-    "angle-torque",
-    "disturbance",
-    "feedback-response",
-    "linear-model",
-    "moving-mass",
-    "safe-sets",
-    "solve-time",
-    "tracking-pendulum",
-    "tracking-tflex",
-];
+/// The experiment whose parameters `cargo xtask reproduce` identifies first.
+const NEEDS_RESULTS: &str = "identification";
 
 /// Writes dist/FlexArm.ssp and dist/ssp/fmi2/*.ssp with the FMUs of FMI 2.0, which all tools that know SSP 1.0
 /// read, and dist/ssp/fmi3/*.ssp with those of FMI 3.0. Returns their paths in the project.
@@ -30,10 +21,11 @@ pub fn write(workspace: &Workspace, host: &OsStr) -> Result<Vec<String>, String>
     for version in Version::ALL {
         let folder = format!("dist/ssp/{}", version.folder());
         if version == Version::Fmi3 {
-            paths.push(format!("{folder}/FlexArm.ssp"));
-            export(workspace, host, SYSTEM, version, &paths[paths.len() - 1])?;
+            let path = format!("{folder}/FlexArm.ssp");
+            export(workspace, host, SYSTEM, version, &path)?;
+            paths.push(path);
         }
-        for name in EXPERIMENTS {
+        for name in EXPERIMENTS.into_iter().filter(|n| *n != NEEDS_RESULTS) {
             let experiment = format!("experiments/{name}.toml");
             let path = format!("{folder}/{name}.ssp");
             export(workspace, host, &experiment, version, &path)?;

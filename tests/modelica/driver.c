@@ -17,13 +17,13 @@ void ModelicaFormatError(const char *format, ...) {
 const char *why(void) { return reason; }
 
 /* NULL if the constructor failed. */
-void *construct(const char *libraries, const char *token, double start, double period, const int *inputs, const int *reals,
+void *construct(const char *libraries, const char *token, double period, const int *inputs, const int *reals,
                 size_t realCount, const int *integers, size_t integerCount, const int *realReferences, const double *realValues,
                 size_t realParameters, const int *integerReferences, const int *integerValues, size_t integerParameters,
                 const int *booleanReferences, const int *booleanValues, size_t booleanParameters) {
   if (setjmp(failed) != 0)
     return NULL;
-  return FlexArmController_new(libraries, token, start, period, inputs, 2, reals, realCount, integers, integerCount,
+  return FlexArmController_new(libraries, token, period, inputs, 2, reals, realCount, integers, integerCount,
                                realReferences, realValues, realParameters, integerReferences, integerValues, integerParameters,
                                booleanReferences, booleanValues, booleanParameters);
 }

@@ -2,7 +2,7 @@ within FlexArm.Components;
 block Controller "NMPC with feedforward, computed torque and LQR: the binary of FlexArmController as a sampled block"
   extends Modelica.Blocks.Icons.DiscreteBlock;
   parameter FlexArm.Parameters.TFlex parameters "All parameters of the controller; initial_.thermal_load alone of initial_";
-  parameter Modelica.Units.SI.Time startTime = 0 "Time of the first sample";
+  parameter Modelica.Units.SI.Time startTime = 0 "Time of the first sample; if the simulation starts later, a whole number of periods after it";
   parameter String libraries = Modelica.Utilities.Files.loadResource("modelica://FlexArm/Resources/Library")
     "Folder with a folder of binaries for each platform"
     annotation (Dialog(tab = "Advanced"));
@@ -15,7 +15,7 @@ block Controller "NMPC with feedforward, computed torque and LQR: the binary of 
   FlexArm.Internal.Outputs outputs "All outputs of the FMU but the planned trajectory";
 protected
   FlexArm.Internal.Instance instance = FlexArm.Internal.Instance(
-    libraries, FlexArm.Internal.Contract.token, startTime, parameters.sample_period,
+    libraries, FlexArm.Internal.Contract.token, parameters.sample_period,
     FlexArm.Internal.Contract.inputs, FlexArm.Internal.Contract.realOutputs, FlexArm.Internal.Contract.integerOutputs,
     FlexArm.Internal.Contract.realParameters, FlexArm.Internal.Contract.reals(parameters),
     FlexArm.Internal.Contract.integerParameters, FlexArm.Internal.Contract.integers(parameters),

@@ -6,7 +6,6 @@ class Instance "An instance of the controller's binary"
     extends Modelica.Icons.Function;
     input String libraries "Folder with a folder of binaries for each platform";
     input String token "What the binary must be made from";
-    input Real start "Time of the first sample";
     input Real period "Sample period";
     input Integer inputs[:] "Value references of the inputs";
     input Integer realOutputs[:] "Value references of the Real outputs";
@@ -19,7 +18,7 @@ class Instance "An instance of the controller's binary"
     input Boolean booleans[size(booleanParameters, 1)] "Their values";
     output Instance instance "The controller";
   external "C" instance = FlexArmController_new(
-    libraries, token, start, period,
+    libraries, token, period,
     inputs, size(inputs, 1), realOutputs, size(realOutputs, 1), integerOutputs, size(integerOutputs, 1),
     realParameters, reals, size(realParameters, 1),
     integerParameters, integers, size(integerParameters, 1),

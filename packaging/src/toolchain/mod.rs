@@ -8,13 +8,14 @@ mod compiler;
 mod debian;
 
 use crate::cargo::Products;
+use crate::licences::Runtime;
 use crate::platform::Platform;
 use crate::workspace::Workspace;
 use crate::{cargo, imports, python};
 use compiler::Compiler;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Where all tools are kept. In the project, so that paths in binaries do not tell where that is.
 const FOLDER: &str = "target/toolchain";
@@ -22,16 +23,21 @@ const FOLDER: &str = "target/toolchain";
 const BUILT: &str = "target/platforms";
 /// Pinned tools, which come as packages of Python.
 const REQUIREMENTS: &str = "packaging/toolchain.txt";
-/// What linkers add to binaries: name, and licence in the package of zig.
-const RUNTIME: [(&str, &str); 3] = [
-    ("Zig's compiler runtime (MIT)", "LICENSE"),
+/// What linkers add to binaries: zig to those for Linux, mingw-w64 to those for Windows. Beside the name is the
+/// licence in the package of zig, which has that of mingw-w64 too. The exception of libgcc asks for no notice.
+const RUNTIME: [(&str, Option<&str>); 4] = [
+    ("Zig's compiler runtime, Linux only (MIT)", Some("LICENSE")),
     (
-        "libunwind (Apache-2.0 WITH LLVM-exception)",
-        "lib/libunwind/LICENSE.TXT",
+        "libunwind, Linux only (Apache-2.0 WITH LLVM-exception)",
+        Some("lib/libunwind/LICENSE.TXT"),
     ),
     (
         "the runtime of mingw-w64, Windows only (ZPL-2.1)",
-        "lib/libc/mingw/COPYING",
+        Some("lib/libc/mingw/COPYING"),
+    ),
+    (
+        "libgcc, Windows only (GPL-3.0-or-later WITH GCC-exception-3.1)",
+        None,
     ),
 ];
 
@@ -48,8 +54,15 @@ impl Toolchain {
     pub fn prepare(workspace: &Workspace, platforms: &[Platform]) -> Result<Self, String> {
         let python = python::environment(workspace, &format!("{FOLDER}/python"), REQUIREMENTS)?;
         let mut ask = workspace.command(&python);
-        let output = ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
-        let output = output.output().map_err(|e| format!("python: {e}"))?;
+        ask.args(["-c", "import ziglang; print(ziglang.__path__[0])"]);
+        let output = ask.stderr(Stdio::inherit()).output();
+        let output = output.map_err(|e| format!("{}: {e}", python.display()))?;
+        if !output.status.success() {
+            return Err(format!(
+                "{} has no zig, which {REQUIREMENTS} asks for: remove {FOLDER}/python and try again",
+                python.display()
+            ));
+        }
         let zig = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
         let mut compilers = Vec::new();
         for platform in platforms {
@@ -105,13 +118,20 @@ impl Toolchain {
         cargo
     }
 
-    /// Names and licences of the libraries that every binary contains, for those who pass it on.
-    pub fn runtime(&self) -> Result<Vec<(&'static str, String)>, String> {
-        let read = |(name, path): (&'static str, &str)| {
-            let text = fs::read_to_string(self.zig.join(path));
-            let text = text.map_err(|e| format!("ziglang/{path}: {e}"))?;
-            Ok((name, text.trim().to_owned()))
+    /// The libraries that the linkers add, for those who pass binaries on.
+    pub fn runtime(&self) -> Result<Vec<Runtime>, String> {
+        let read = |path: &str| {
+            let path = self.zig.join(path);
+            let text = fs::read_to_string(&path);
+            text.map(|text| text.trim().to_owned()).map_err(|e| {
+                let path = path.display();
+                format!("{path}: {e}; remove {FOLDER}/python and try again")
+            })
         };
-        RUNTIME.into_iter().map(read).collect()
+        let runtime = |(title, path): (&'static str, Option<&str>)| {
+            let notice = path.map(read).transpose()?;
+            Ok(Runtime { title, notice })
+        };
+        RUNTIME.into_iter().map(runtime).collect()
     }
 }

@@ -64,8 +64,10 @@ typedef struct {
 #define FLEXARM_FIELD(result, name, arguments) result(*name) arguments;
   FLEXARM_FUNCTIONS(FLEXARM_FIELD)
 #undef FLEXARM_FIELD
-  double start, period;
-  /* Samples taken: instants are start + taken*period, never a sum of steps. */
+  double period;
+  /* Instant of the first sample, wherever the simulation starts. */
+  double first;
+  /* Samples taken: instants are first + taken*period, never a sum of steps. The binary counts its time from the first one. */
   long taken;
   unsigned inputs[FLEXARM_INPUTS], reals[FLEXARM_MOST_OUTPUTS], integers[FLEXARM_MOST_OUTPUTS];
   /* What the binary said last; it says why before it fails. */
@@ -110,7 +112,7 @@ static void FlexArm_references(unsigned *to, const int *from, size_t count) {
 }
 
 static void *FlexArmController_new(
-    const char *libraries, const char *token, double start, double period,
+    const char *libraries, const char *token, double period,
     const int *inputs, size_t inputCount, const int *realOutputs, size_t realOutputCount,
     const int *integerOutputs, size_t integerOutputCount,
     const int *realReferences, const double *reals, size_t realCount,
@@ -122,7 +124,6 @@ static void *FlexArmController_new(
     ModelicaFormatError("FlexArm controller: out of memory");
     return NULL;
   }
-  self->start = start;
   self->period = period;
   if (inputCount != FLEXARM_INPUTS || realOutputCount > FLEXARM_MOST_OUTPUTS || integerOutputCount > FLEXARM_MOST_OUTPUTS) {
     snprintf(self->message, sizeof self->message, "header and package are of different versions");
@@ -167,7 +168,7 @@ static void *FlexArmController_new(
       FLEXARM_SET(Integer, integerReferences, integers, integerCount) ||
       FLEXARM_SET(Boolean, booleanReferences, booleans, booleanCount))
     failed = "setting parameters";
-  else if (self->SetupExperiment(self->component, 0, 0.0, start, 0, 0.0) > 1 ||
+  else if (self->SetupExperiment(self->component, 0, 0.0, 0.0, 0, 0.0) > 1 ||
            self->EnterInitializationMode(self->component) > 1 || self->ExitInitializationMode(self->component) > 1)
     failed = "initialisation";
 #undef FLEXARM_SET
@@ -182,12 +183,14 @@ static void FlexArmController_sample(
     void *object, double now, const double *inputs, size_t inputCount,
     double *reals, size_t realCount, int *integers, size_t integerCount) {
   FlexArm_controller *self = (FlexArm_controller *)object;
-  double due = self->start + (double)self->taken * self->period;
+  double elapsed = (double)self->taken * self->period;
   (void)inputCount;
+  if (self->taken == 0)
+    self->first = now;
   /* Before the next instant: an event iteration at the one before. */
-  if (now > due - 0.5 * self->period) {
+  if (now > self->first + elapsed - 0.5 * self->period) {
     if (self->SetReal(self->component, self->inputs, FLEXARM_INPUTS, inputs) > 1 ||
-        self->DoStep(self->component, due, self->period, 1) > 0) {
+        self->DoStep(self->component, elapsed, self->period, 1) > 1) {
       ModelicaFormatError("FlexArm controller: the sample at %.9g s failed: %s", now, self->message);
       return;
     }
