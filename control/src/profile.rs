@@ -28,6 +28,11 @@ pub struct State {
 }
 
 impl State {
+    /// Whether both angles are finite numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.start.is_finite() && self.goal.is_finite()
+    }
+
     /// At rest.
     pub fn at(angle: f64) -> Self {
         Self {

@@ -14,6 +14,16 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// Whether every component is a finite number.
+    pub fn is_finite(&self) -> bool {
+        let Self {
+            angle,
+            velocity,
+            acceleration,
+        } = self;
+        angle.is_finite() && velocity.is_finite() && acceleration.is_finite()
+    }
+
     /// At rest at `angle` \[rad\].
     pub fn at_rest(angle: f64) -> Self {
         Self {

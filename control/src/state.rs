@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nmpc::plan::{PlanStatus, PlannerState};
+use crate::nmpc::solver::Multipliers;
 use crate::planning::Origin;
 use crate::{Reference, feedback, profile};
 
@@ -101,5 +102,62 @@ impl State {
             planner: planner.clone(),
             command: Command::default(),
         }
+    }
+
+    /// Whether every number is one: what a state from elsewhere must be checked for.
+    pub fn is_finite(&self) -> bool {
+        let Origin {
+            measured,
+            acceleration,
+            goal,
+            setpoint,
+            ..
+        } = self.origin;
+        let Command {
+            torque,
+            current,
+            feedforward_torque,
+            feedback_torque,
+            thermal_load,
+            ..
+        } = self.command;
+        let pending = self.pending.map(|plan| [plan.acceleration, plan.goal]);
+        let numbers = [
+            self.angle,
+            self.setpoint.unwrap_or_default(),
+            self.goal,
+            self.integral,
+            self.hysteresis,
+            self.thermal_load,
+            self.feedback.integral,
+            self.feedback.torque,
+            acceleration,
+            goal,
+            setpoint,
+            torque,
+            current,
+            feedforward_torque,
+            feedback_torque,
+            thermal_load,
+        ];
+        let Multipliers {
+            thermal,
+            lower,
+            upper,
+            ..
+        } = &self.planner.multipliers;
+        let lists: [&[f64]; 6] = [
+            &numbers,
+            pending.as_ref().map_or(&[], |plan| plan),
+            &self.planner.moves,
+            thermal,
+            lower,
+            upper,
+        ];
+        measured.is_finite()
+            && self.reference.is_finite()
+            && self.command.reference.is_finite()
+            && self.profile.is_finite()
+            && lists.into_iter().flatten().all(|number| number.is_finite())
     }
 }

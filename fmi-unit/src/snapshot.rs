@@ -147,7 +147,7 @@ impl<U: Unit> Snapshot<U> {
             Mode::Terminated => true,
             Mode::IntermediateUpdate | Mode::ClockActivation | Mode::Failed => false,
         };
-        legal && start.is_finite() && time.is_finite()
+        legal && start.is_finite() && time.is_finite() && start <= time
     }
 }
 

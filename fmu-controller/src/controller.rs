@@ -88,6 +88,9 @@ impl Unit for Controller {
     }
 
     fn set_state(&mut self, state: &State) -> Result<(), Failure> {
+        if !state.is_finite() {
+            return Err(Failure("the state holds what is not finite".into()));
+        }
         self.control.set_state(state);
         Ok(())
     }
@@ -102,8 +105,7 @@ impl Unit for Controller {
         time: f64,
         log: &mut Log<'_>,
     ) -> Result<(), Failure> {
-        self.sample(variables, When::Due, time, log);
-        Ok(())
+        self.sample(variables, When::Due, time, log)
     }
 
     fn clock_interval(variables: &Variables, clock: usize) -> f64 {
@@ -129,8 +131,8 @@ impl Unit for Controller {
         log: &mut Log<'_>,
     ) -> Result<(), Failure> {
         match (ticks.contains(FEEDBACK), ticks.contains(PLAN)) {
-            (true, true) => self.sample(variables, When::Now, time, log),
-            (true, false) => self.sample(variables, When::Never, time, log),
+            (true, true) => self.sample(variables, When::Now, time, log)?,
+            (true, false) => self.sample(variables, When::Never, time, log)?,
             (false, true) => {
                 if let Some(mut job) = self.activate(variables, PLAN, time, log)? {
                     Self::work(&mut job);
@@ -155,7 +157,7 @@ impl Unit for Controller {
             let planning = self.control.begin_plan();
             return Ok(planning.map(|planning| Job { planning, begin }));
         }
-        self.sample(variables, When::Never, time, log);
+        self.sample(variables, When::Never, time, log)?;
         Ok(None)
     }
 
@@ -176,11 +178,23 @@ impl Unit for Controller {
 }
 
 impl Controller {
-    fn sample(&mut self, variables: &mut Variables, plan: When, time: f64, log: &mut Log<'_>) {
+    fn sample(
+        &mut self,
+        variables: &mut Variables,
+        plan: When,
+        time: f64,
+        log: &mut Log<'_>,
+    ) -> Result<(), Failure> {
         let before = variables.nmpc.status;
         let begin = self.reports_time.then(Instant::now);
         let (angle, setpoint) = (variables.angle, variables.setpoint);
         let command = self.control.sample_and_plan(angle, setpoint, plan);
+        if !command.torque.is_finite() {
+            return Err(Failure(format!(
+                "at {time} s the torque would be {} N.m: the last good one stays",
+                command.torque
+            )));
+        }
         if command.new_plan {
             self.publish_plan(variables, begin);
         }
@@ -188,6 +202,7 @@ impl Controller {
         if variables.nmpc.status != before {
             report(command.plan_status, variables, time, log);
         }
+        Ok(())
     }
 
     fn publish_plan(&self, variables: &mut Variables, begin: Option<Instant>) {

@@ -60,7 +60,7 @@ impl Plant {
 
     /// Counts `passed` samples, all as the arm stands now.
     fn count(&mut self, passed: u64) {
-        self.state.samples += passed;
+        self.state.samples = self.state.samples.saturating_add(passed);
         if self.violates() {
             let passed = i32::try_from(passed).unwrap_or(i32::MAX);
             self.state.unpublished = self.state.unpublished.saturating_add(passed);
@@ -136,6 +136,22 @@ impl Unit for Plant {
     }
 
     fn set_state(&mut self, state: &State) -> Result<(), Failure> {
+        let Motion {
+            angle,
+            velocity,
+            thermal_load,
+            hysteresis,
+        } = state.motion;
+        let numbers = [
+            angle,
+            velocity,
+            thermal_load,
+            hysteresis,
+            state.noise_current,
+        ];
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(Failure("the state holds what is not finite".into()));
+        }
         self.state.clone_from(state);
         Ok(())
     }
@@ -184,15 +200,13 @@ impl Unit for Plant {
             }
         }
         let torque = self.motor_torque(variables.torque);
+        self.count_until(from);
         let mut time = from;
         while time < to {
-            let boundary = self.instant(self.state.samples + 1);
-            let reaches_boundary = boundary < to - 1e-3 * self.sample_period;
-            let end = if reaches_boundary {
-                boundary.max(time)
-            } else {
-                to
-            };
+            let boundary = self.instant(self.state.samples.saturating_add(1));
+            // Where time is too coarse to show a sample, the rest is one piece.
+            let reaches_boundary = time < boundary && boundary < to - 1e-3 * self.sample_period;
+            let end = if reaches_boundary { boundary } else { to };
             self.state.motion = plant::step(
                 &self.arm,
                 &self.motor,
@@ -202,7 +216,6 @@ impl Unit for Plant {
                 end - time,
             );
             if reaches_boundary {
-                // By integer: a sample must pass even where time is too coarse to show it.
                 self.count(1);
             } else {
                 self.count_until(end);

@@ -337,11 +337,11 @@ fn descriptions_that_cannot_be_used_are_refused() {
         ),
         (
             good.replace("causality=\"output\"", "causality=\"outputs\""),
-            "modelDescription.xml: ",
+            "causality is outputs",
         ),
         (
             good.replace("variability=\"fixed\"", "variability=\"continuous\""),
-            "Illegal combination",
+            "variability continuous does not go with causality parameter",
         ),
     ] {
         let message = open(&xml);

@@ -7,6 +7,7 @@ mod archive;
 mod cargo;
 mod demo;
 mod fmu;
+mod fuzz;
 mod imports;
 mod licences;
 mod modelica;
@@ -79,6 +80,17 @@ enum Command {
         #[arg(last = true)]
         pytest: Vec<String>,
     },
+    /// Fuzz every reader of what others made: archives, descriptions, SSV, SSP, CSV, TOML, saved states
+    ///
+    /// Needs `cargo install cargo-fuzz` and a C++ compiler. Each target gets an equal share of the time; what
+    /// crashes or hangs one is kept in fuzz/artifacts, the corpus in target/fuzz.
+    Fuzz {
+        /// Time for all targets together, in minutes
+        #[arg(long, default_value_t = 60.0)]
+        minutes: f64,
+        /// Targets, by name; none: all
+        targets: Vec<String>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -96,6 +108,7 @@ fn main() -> ExitCode {
         Command::Reproduce => reproduce::run(&workspace),
         Command::Test { platforms, pytest } if platforms => test::platforms(&workspace, &pytest),
         Command::Test { pytest, .. } => test::run(&workspace, &pytest),
+        Command::Fuzz { minutes, targets } => fuzz::run(&workspace, minutes, &targets),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -32,8 +32,6 @@ pub enum Error {
         dimensions: Vec<usize>,
         limit: usize,
     },
-    /// Two variables have the same name.
-    DuplicateName { file: PathBuf, name: String },
     /// The FMU is of a version of the standard that the host does not know.
     Version { file: PathBuf, version: String },
     /// The FMU offers no Co-Simulation.
@@ -155,11 +153,6 @@ impl fmt::Display for Error {
                     size.join(" x ")
                 )
             }
-            Self::DuplicateName { file, name } => write!(
-                f,
-                "{}: modelDescription.xml: two variables are called {name}",
-                file.display()
-            ),
             Self::Version { file, version } => write!(
                 f,
                 "{} is of FMI {version}; FMI 2.0 and 3.x can be imported",

@@ -23,6 +23,7 @@
 //! ```
 
 pub(crate) mod archive;
+mod defects;
 mod description;
 mod error;
 mod fmi2;

@@ -1,6 +1,7 @@
 //! Reads `modelDescription.xml` of either version.
 
-use super::description::{DefaultExperiment, Description, MAX_ELEMENTS};
+use super::defects::defects;
+use super::description::{DefaultExperiment, Description, MAX_ELEMENTS, Version};
 use super::{Error, fmi2_description, fmi3_description, structure};
 use fmi_rs::model_description::ValidationError;
 use roxmltree::{Document, ParsingOptions};
@@ -41,15 +42,23 @@ pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
     let version = root
         .attribute("fmiVersion")
         .ok_or_else(|| wrong("fmiVersion is missing".to_owned()))?;
-    let parsed = match version {
-        "2.0" => fmi2_description::read(&text),
-        v if v.starts_with("3.") => fmi3_description::read(&text),
+    let version = match version {
+        "2.0" => Version::V2,
+        v if v.starts_with("3.") => Version::V3,
         _ => {
             return Err(Error::Version {
                 file: file.to_owned(),
                 version: version.to_owned(),
             });
         }
+    };
+    let defects = defects(&document, version);
+    if !defects.is_empty() {
+        return Err(wrong(defects.join("\n  ")));
+    }
+    let parsed = match version {
+        Version::V2 => fmi2_description::read(&text),
+        Version::V3 => fmi3_description::read(&text),
     };
     let mut description = parsed.map_err(|e| wrong(e.to_string()))?;
     description.units = structure::units(root);
@@ -64,16 +73,7 @@ pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
                 limit: MAX_ELEMENTS,
             });
         }
-        if description
-            .index
-            .insert(variable.name.clone(), position)
-            .is_some()
-        {
-            return Err(Error::DuplicateName {
-                file: file.to_owned(),
-                name: variable.name.clone(),
-            });
-        }
+        description.index.insert(variable.name.clone(), position);
     }
     Ok(description)
 }
