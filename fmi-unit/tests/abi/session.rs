@@ -209,6 +209,36 @@ impl Session {
         )
     }
 
+    /// `fmi3EnterConfigurationMode`.
+    pub fn enter_configuration(&self) -> c_int {
+        unsafe { fmi3::fmi3EnterConfigurationMode::<Toy>(self.handle) }
+    }
+
+    /// `fmi3ExitConfigurationMode`.
+    pub fn exit_configuration(&self) -> c_int {
+        unsafe { fmi3::fmi3ExitConfigurationMode::<Toy>(self.handle) }
+    }
+
+    /// Configuration Mode with one value in it.
+    pub fn configure(&self, vr: u32, value: u64) {
+        assert_eq!(self.enter_configuration(), OK, "{:?}", self.messages);
+        assert_eq!(self.set_size(vr, value), OK, "{:?}", self.messages);
+        assert_eq!(self.exit_configuration(), OK, "{:?}", self.messages);
+    }
+
+    /// `fmi3SetUInt64`.
+    pub fn set_size(&self, vr: u32, value: u64) -> c_int {
+        unsafe { fmi3::fmi3SetUInt64::<Toy>(self.handle, &vr, 1, &value, 1) }
+    }
+
+    /// `fmi3GetUInt64`.
+    pub fn get_size(&self, vr: u32) -> u64 {
+        let mut value = u64::MAX;
+        let status = unsafe { fmi3::fmi3GetUInt64::<Toy>(self.handle, &vr, 1, &mut value, 1) };
+        assert_eq!(status, OK, "{:?}", self.messages);
+        value
+    }
+
     pub fn set_boolean(&self, vr: u32, value: u8) -> c_int {
         both!(
             self,

@@ -66,7 +66,11 @@ fn framed(title: &str, rows: &str) -> String {
 }
 
 fn row(d: &ModelDescription, v: &Variable) -> String {
-    let dimension = v.dimension.map(|n| format!("[{n}]")).unwrap_or_default();
+    let dimension = match (v.dimension, v.sized_by().and_then(|p| d.variable(p))) {
+        (_, Some(size)) => format!("[{}]", size.name),
+        (Some(dimension), None) => format!("[{}]", dimension.size),
+        (None, None) => String::new(),
+    };
     let start = v.start.iter().flatten().map(|value| match value {
         Value::Enumeration(item) => {
             let mut items = d.declared_type(v).into_iter().flat_map(|t| &t.items);
@@ -88,7 +92,7 @@ fn row(d: &ModelDescription, v: &Variable) -> String {
         "<tr><td><code>{}{dimension}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}{}</td></tr>\n",
         escape(&v.name),
         escape(v.unit.as_deref().unwrap_or(match v.kind {
-            Kind::Int32 => "integer",
+            Kind::Int32 | Kind::UInt64 => "integer",
             Kind::Boolean => "boolean",
             _ => "",
         })),
