@@ -90,8 +90,6 @@ pub struct Clock {
     pub name: &'static str,
     /// Value reference.
     pub value_reference: u32,
-    /// Interval that the description declares, of the start values \[s\].
-    pub interval: f64,
 }
 
 /// One declared unit.

@@ -132,7 +132,6 @@ fn model(out: &mut String, d: &ModelDescription) {
         line!(out, "        ::fmi_unit::Clock {{");
         line!(out, "            name: {:?},", c.name);
         line!(out, "            value_reference: {},", c.value_reference);
-        line!(out, "            interval: {},", number(c.interval));
         line!(out, "        }},");
     }
     line!(out, "    ],");

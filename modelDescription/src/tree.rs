@@ -348,7 +348,8 @@ impl Variable {
     }
 }
 
-/// An input clock that ticks in an interval which is fixed when the unit is set up (FMI 3.0 sec 2.2.8).
+/// An input clock that ticks in an interval which fixed parameters say: without `intervalDecimal` the importer asks
+/// for it (FMI 3.0 sec 2.2.8.3).
 #[derive(Clone, Debug)]
 pub struct Clock {
     /// Name, as of a variable.
@@ -357,8 +358,6 @@ pub struct Clock {
     pub value_reference: u32,
     /// What happens when it ticks.
     pub description: String,
-    /// Interval that follows from the start values \[s\].
-    pub interval: f64,
     /// Line of its declaration.
     pub line: u32,
 }

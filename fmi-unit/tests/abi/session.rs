@@ -134,20 +134,20 @@ impl Session {
         }
     }
 
-    /// Interval and shift of a clock.
-    pub fn interval(&self, clock: u32) -> Result<[f64; 2], c_int> {
-        let (clock, mut out, mut qualifier) = (&raw const clock, [f64::NAN; 2], 7);
-        let [interval, shift] = &mut out;
-        let (h, q) = (self.handle, &raw mut qualifier);
-        match unsafe { fmi3::fmi3GetIntervalDecimal::<Toy>(h, clock, 1, interval, q) } {
-            OK => assert_eq!(qualifier, 2),
+    /// Interval, shift and qualifier of a clock.
+    pub fn interval(&self, clock: u32) -> Result<(f64, f64, c_int), c_int> {
+        let (clock, mut interval, mut shift) = (&raw const clock, f64::NAN, f64::NAN);
+        let (h, mut qualifier) = (self.handle, 7);
+        let q = &raw mut qualifier;
+        match unsafe { fmi3::fmi3GetIntervalDecimal::<Toy>(h, clock, 1, &mut interval, q) } {
+            OK => {}
             status => return Err(status),
         }
         assert_eq!(
-            unsafe { fmi3::fmi3GetShiftDecimal::<Toy>(h, clock, 1, shift) },
+            unsafe { fmi3::fmi3GetShiftDecimal::<Toy>(h, clock, 1, &mut shift) },
             OK
         );
-        Ok(out)
+        Ok((interval, shift, qualifier))
     }
 
     pub fn set_interval(&self, clock: u32, interval: f64) -> c_int {

@@ -142,11 +142,10 @@ const fn real(name: &'static str, value_reference: u32, causality: Causality) ->
     }
 }
 
-const fn clock(name: &'static str, value_reference: u32, interval: f64) -> Clock {
+const fn clock(name: &'static str, value_reference: u32) -> Clock {
     Clock {
         name,
         value_reference,
-        interval,
     }
 }
 
@@ -251,7 +250,7 @@ static MODEL: Model = Model {
     states: &[X],
     derivatives: &[3],
     event_indicators: &[TWICE],
-    clocks: &[clock("fast", FAST, 0.1), clock("slow", SLOW, 1.0)],
+    clocks: &[clock("fast", FAST), clock("slow", SLOW)],
     event_mode: true,
     scheduled_execution: true,
     model_exchange: true,

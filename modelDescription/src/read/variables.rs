@@ -28,7 +28,6 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
             "variability",
             "description",
             "intervalVariability",
-            "intervalDecimal",
             "priority",
         ],
     );
@@ -50,9 +49,7 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
         t.parse::<u32>().ok()
     });
     r.required(node, "valueReference");
-    r.required(node, "intervalDecimal");
     Some(Clock {
-        interval: r.number(node, "intervalDecimal").unwrap_or_default(),
         name: r.required(node, "name"),
         description: r.required(node, "description"),
         line: r.line(node),
