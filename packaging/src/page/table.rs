@@ -23,6 +23,8 @@ pub fn variables(d: &ModelDescription) -> String {
         let members = of(Causality::Parameter).filter(|v| group(v) == name);
         html += &table(d, &title, members);
     }
+    let title = "Structural parameters (FMI 3.0, set in Configuration Mode)";
+    html += &table(d, title, of(Causality::StructuralParameter));
     html += &table(d, "Local variables", of(Causality::Local));
     html + &clocks(d)
 }
@@ -31,9 +33,8 @@ pub fn variables(d: &ModelDescription) -> String {
 fn clocks(d: &ModelDescription) -> String {
     let row = |clock: &Clock| {
         let (name, text) = (escape(&clock.name), escape(&clock.description));
-        let interval = clock.interval;
         format!(
-            "<tr><td><code>{name}</code></td><td>s</td><td>{interval}</td><td></td><td>{text}</td></tr>\n"
+            "<tr><td><code>{name}</code></td><td>s</td><td></td><td></td><td>{text}</td></tr>\n"
         )
     };
     let rows: String = d.clocks.iter().map(row).collect();
