@@ -5,9 +5,10 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi3 import FMU3Slave
 
-from conftest import DIST, fmu, run
+from conftest import fmu, run
 
-NAMES = [f"nmpc.plan.{name}" for name in ("time", "angle", "reference_angle", "reference_velocity", "acceleration", "thermal_load")]
+PLAN = ("time", "angle", "reference_angle", "reference_velocity", "acceleration", "thermal_load")
+NAMES = [f"nmpc.plan.{name}" for name in PLAN]
 
 
 @pytest.fixture(scope="module")
@@ -126,16 +127,18 @@ def test_a_state_restores_into_another_size(controller):
         slave.freeInstance()
 
 
-def test_our_host_configures(tmp_path):
-    """A setting of the user, and an element that is there only then."""
-    flexarm = fmu("fmi3", "FlexArmController")
-    host = DIST.parent / "target" / "release" / "flexarm"
-    shown = run(host, "inspect", flexarm).stdout
+def test_our_host_configures(flexarm, tmp_path):
+    """By Configuration Mode, as the unit refuses it elsewhere."""
+    controller = fmu("fmi3", "FlexArmController")
+    shown = run(flexarm, "inspect", controller).stdout
     assert "Structural parameters" in shown and "nmpc.plan.points" in shown
-    common = [host, "simulate", "--controller", flexarm, "--plant", fmu("fmi3", "FlexArmPlant"), "--until", "0.1"]
+    pair = ["--controller", controller, "--plant", fmu("fmi3", "FlexArmPlant")]
+    common = [flexarm, "simulate", *pair, "--until", "0.1"]
     results = []
     for n, arguments in enumerate([[], ["--set", "nmpc.plan.points=81"]]):
         out = tmp_path / str(n)
         run(*common, *arguments, "-o", out)
         results.append((out / "results.csv").read_bytes())
     assert results[0] == results[1], "the size of the arrays changes no other output"
+    refused = run(*common, "--set", "nmpc.plan.points=402", "-o", tmp_path / "none", code=2)
+    assert "nmpc.plan.points" in refused.stderr and "[2, 401]" in refused.stderr

@@ -1,4 +1,4 @@
-"""Reference results that the FMUs carry (FMI-LS-REF): FMPy gives the stored inputs and gets the stored outputs."""
+"""Reference results inside the FMUs (FMI-LS-REF): FMPy gives the stored inputs and gets the stored outputs."""
 
 import hashlib
 import zipfile
@@ -11,7 +11,8 @@ from lxml import etree
 from conftest import UNITS, fmu
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
-# Of the largest value of each output. The files are made with the baseline instructions, the run here with the processor's best.
+# Of the largest value of each output. The files are made with the baseline instructions, the run here with
+# the processor's best.
 TOLERANCE = 1e-9
 
 
@@ -36,7 +37,8 @@ def related(package: zipfile.ZipFile) -> dict[str, str]:
 
 
 def read(package: zipfile.ZipFile, name: str) -> np.ndarray:
-    return np.genfromtxt(package.read(FOLDER + name).decode().splitlines(), delimiter=",", names=True, deletechars="")
+    lines = package.read(FOLDER + name).decode().splitlines()
+    return np.genfromtxt(lines, delimiter=",", names=True, deletechars="")
 
 
 def test_stored_inputs_give_stored_outputs(version, unit):
