@@ -1,4 +1,4 @@
-"""Reference results inside the FMUs (FMI-LS-REF): FMPy gives the stored inputs and gets the stored outputs."""
+"""Reference results inside the FMUs (FMI-LS-REF): FMPy sets the stored inputs, gets the stored outputs."""
 
 import hashlib
 import zipfile

@@ -116,29 +116,29 @@ const EXPECTED: [(&str, Call, &str); 23] = [
     ("DoStep", |s| s.do_step(0.0, 0.1), "---+----"),
     (
         "SetTime, FMI 2.0",
-        |s| set_time(s, Version::Fmi2),
+        |s| only(Version::Fmi2, s, |s| s.set_time(0.0)),
         "~-~-++--",
     ),
     (
         "SetTime, FMI 3.0",
-        |s| set_time(s, Version::Fmi3),
+        |s| only(Version::Fmi3, s, |s| s.set_time(0.0)),
         "~-~-~+--",
     ),
     ("SetupExperiment", setup_experiment, "+-~-----"),
     ("EnterInitialization", enter_initialization, "+-------"),
     (
         "EnterConfiguration",
-        |s| fmi3_only(s, Session::enter_configuration),
+        |s| only(Version::Fmi3, s, Session::enter_configuration),
         "+-------",
     ),
     (
         "ExitConfiguration",
-        |s| fmi3_only(s, Session::exit_configuration),
+        |s| only(Version::Fmi3, s, Session::exit_configuration),
         "-+------",
     ),
     (
         "SetUInt64",
-        |s| fmi3_only(s, |s| s.set_size(SIZE, 3)),
+        |s| only(Version::Fmi3, s, |s| s.set_size(SIZE, 3)),
         "-+------",
     ),
 ];
@@ -146,31 +146,20 @@ const EXPECTED: [(&str, Call, &str); 23] = [
 /// The call or its row is the other version's.
 const SKIP: i32 = -1;
 
-fn fmi3_only(s: &Session, call: Call) -> i32 {
-    match s.version {
-        Version::Fmi2 => SKIP,
-        Version::Fmi3 => call(s),
-    }
+/// A call of one version.
+fn only(version: Version, s: &Session, call: Call) -> i32 {
+    if s.version == version { call(s) } else { SKIP }
 }
 
 /// FMI 2.0 has this call too, but tells the start time by another.
 fn enter_initialization(s: &Session) -> i32 {
-    fmi3_only(s, |s| s.enter_initialization(0.0, None))
-}
-
-fn set_time(s: &Session, version: Version) -> i32 {
-    if s.version == version {
-        s.set_time(0.0)
-    } else {
-        SKIP
-    }
+    only(Version::Fmi3, s, |s| s.enter_initialization(0.0, None))
 }
 
 fn setup_experiment(s: &Session) -> i32 {
-    match s.version {
-        Version::Fmi2 => unsafe { fmi2::fmi2SetupExperiment::<Toy>(s.handle, 0, 0.0, 0.0, 0, 0.0) },
-        Version::Fmi3 => SKIP,
-    }
+    only(Version::Fmi2, s, |s| unsafe {
+        fmi2::fmi2SetupExperiment::<Toy>(s.handle, 0, 0.0, 0.0, 0, 0.0)
+    })
 }
 
 fn get_state(s: &Session) -> i32 {
