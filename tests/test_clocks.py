@@ -95,7 +95,7 @@ def clocks(unit: Instance) -> dict[str, tuple[int, float]]:
     for name in names:
         reference, interval, qualifier = unit.variables[name].valueReference, c_double(), c_int()
         unit.fmu.getIntervalDecimal((c_uint32 * 1)(reference), interval, qualifier)
-        assert qualifier.value == 2
+        assert qualifier.value == 2, "fmi3IntervalChanged in Initialization Mode"
         found[name] = (reference, interval.value)
     return found
 

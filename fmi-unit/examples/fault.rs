@@ -24,8 +24,7 @@ const fn integer(name: &'static str, value_reference: u32, causality: Causality)
     Variable {
         name,
         value_reference,
-        length: 1,
-        is_array: false,
+        dimension: None,
         kind: Kind::Int32,
         causality,
         variability: Variability::Discrete,
@@ -72,6 +71,8 @@ impl Variables for FaultVariables {
             _ => None,
         }
     }
+
+    fn resize(&mut self) {}
 }
 
 /// The unit.

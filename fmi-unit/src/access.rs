@@ -25,13 +25,16 @@ impl<U: Unit> Instance<U> {
         values: &mut [T::Foreign],
         addressing: Addressing,
     ) -> Result<(), Failure> {
-        check_count::<U>(references, values.len(), addressing)?;
+        self.check_count(references, values.len(), addressing)?;
         let mut targets = values.iter_mut();
         for &reference in references {
-            let (variable, first, count) = locate::<U>(reference, addressing)?;
+            let (variable, first, count) = self.locate(reference, addressing)?;
             let given = matches!(
                 variable.causality,
-                Causality::Parameter | Causality::Input | Causality::Independent
+                Causality::Parameter
+                    | Causality::StructuralParameter
+                    | Causality::Input
+                    | Causality::Independent
             );
             if !given {
                 self.refresh();
@@ -51,11 +54,11 @@ impl<U: Unit> Instance<U> {
         values: &[T::Foreign],
         addressing: Addressing,
     ) -> Result<(), Failure> {
-        check_count::<U>(references, values.len(), addressing)?;
+        self.check_count(references, values.len(), addressing)?;
         for stored in [false, true] {
             let mut sources = values.iter();
             for &reference in references {
-                let (variable, first, count) = locate::<U>(reference, addressing)?;
+                let (variable, first, count) = self.locate(reference, addressing)?;
                 for (index, &source) in (first..first + count).zip(&mut sources) {
                     let element =
                         T::inward(source, variable.kind).ok_or_else(|| mismatch(variable))?;
@@ -72,19 +75,35 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// Inputs and tunable parameters can always be set, fixed ones until initialization is done.
-    /// Afterwards only their present value is accepted, which importers like to send once more.
+    /// Inputs and tunable parameters can always be set, fixed ones until initialization is done, structural ones
+    /// in Configuration Mode, where nothing else can. Otherwise only their present value is accepted, which
+    /// importers like to send once more.
     fn check_settable(
         &self,
         variable: &'static Variable,
         index: usize,
         element: Element,
     ) -> Result<(), Failure> {
-        let name = Name(variable, index);
+        let (name, mode) = (Name(variable, index), self.now.mode);
+        let structural = variable.causality == Causality::StructuralParameter;
+        if mode == Mode::Configuration && !structural {
+            return Err(Failure(format!(
+                "{name} cannot be set in {mode}: it is no structural parameter"
+            )));
+        }
         match (variable.causality, variable.variability) {
+            (Causality::StructuralParameter, _) => {
+                if mode == Mode::Configuration || self.element(variable, index)? == element {
+                    Ok(())
+                } else {
+                    Err(Failure(format!(
+                        "{name} is a structural parameter: it can be set in Configuration Mode only, not in {mode}"
+                    )))
+                }
+            }
             (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Ok(()),
             (Causality::Parameter, Variability::Fixed) => {
-                let early = matches!(self.now.mode, Mode::Instantiated | Mode::Initialization);
+                let early = matches!(mode, Mode::Instantiated | Mode::Initialization);
                 if early || self.element(variable, index)? == element {
                     Ok(())
                 } else {
@@ -105,6 +124,70 @@ impl<U: Unit> Instance<U> {
         }
         element(&self.now.variables, variable, index)
     }
+
+    /// The elements that references name, one after the other; unknown ones are left out.
+    pub(crate) fn elements(
+        &self,
+        references: &[u32],
+        addressing: Addressing,
+    ) -> impl Iterator<Item = (&'static Variable, usize)> {
+        references
+            .iter()
+            .flat_map(move |&reference| {
+                let (variable, first, count) = self.locate(reference, addressing).ok()?;
+                Some((first..first + count).map(move |index| (variable, index)))
+            })
+            .flatten()
+    }
+
+    /// The variable that a reference names, its first element meant and their number.
+    pub(crate) fn locate(
+        &self,
+        reference: u32,
+        addressing: Addressing,
+    ) -> Result<(&'static Variable, usize, usize), Failure> {
+        let Some((variable, index)) = U::Variables::MODEL.find(reference) else {
+            return Err(Failure(format!("value reference {reference} is unknown")));
+        };
+        let length = length(&self.now.variables, variable);
+        match addressing {
+            Addressing::Elements if index < length => Ok((variable, index, 1)),
+            // A state of FMI 3.0 may have brought a smaller array.
+            Addressing::Elements => Err(Failure(format!(
+                "value reference {reference} is unknown: {} has {length} elements",
+                variable.name
+            ))),
+            Addressing::Variables if index == 0 => Ok((variable, 0, length)),
+            Addressing::Variables => Err(Failure(format!(
+                "value reference {reference} is unknown: it names an element of {}, an array with value reference {}",
+                variable.name, variable.value_reference
+            ))),
+        }
+    }
+
+    /// Whether as many values are given as the variables have elements.
+    fn check_count(
+        &self,
+        references: &[u32],
+        values: usize,
+        addressing: Addressing,
+    ) -> Result<(), Failure> {
+        let mut elements = 0;
+        let mut array = None;
+        for &reference in references {
+            let (variable, _, count) = self.locate(reference, addressing)?;
+            elements += count;
+            array = array.or(variable.dimension.map(|_| (variable.name, count)));
+        }
+        if elements == values {
+            return Ok(());
+        }
+        let array = array.map(|(name, count)| format!(": {name} has {count}"));
+        let array = array.unwrap_or_default();
+        Err(Failure(format!(
+            "{values} values for {elements} elements{array}"
+        )))
+    }
 }
 
 /// Writes one element.
@@ -117,6 +200,7 @@ pub(crate) fn store<V: Variables>(
     match (variables.values_mut(variable.value_reference), element) {
         (Some(ValuesMut::Float64(slots)), Element::Float64(value)) => put(slots, index, value),
         (Some(ValuesMut::Int32(slots)), Element::Int32(value)) => put(slots, index, value),
+        (Some(ValuesMut::UInt64(slots)), Element::UInt64(value)) => put(slots, index, value),
         (Some(ValuesMut::Boolean(slots)), Element::Boolean(value)) => put(slots, index, value),
         (Some(ValuesMut::Enumeration(slots)), Element::Enumeration(value)) => {
             put(slots, index, value)
@@ -140,6 +224,7 @@ pub(crate) fn element<V: Variables>(
     match variables.values(variable.value_reference) {
         Some(Values::Float64(values)) => values.get(index).copied().map(Element::Float64),
         Some(Values::Int32(values)) => values.get(index).copied().map(Element::Int32),
+        Some(Values::UInt64(values)) => values.get(index).copied().map(Element::UInt64),
         Some(Values::Boolean(values)) => values.get(index).copied().map(Element::Boolean),
         Some(Values::Enumeration(values)) => values.get(index).copied().map(Element::Enumeration),
         None => None,
@@ -147,11 +232,40 @@ pub(crate) fn element<V: Variables>(
     .ok_or_else(|| mismatch(variable))
 }
 
+fn is_parameter(variable: &Variable) -> bool {
+    matches!(
+        variable.causality,
+        Causality::Parameter | Causality::StructuralParameter
+    )
+}
+
+/// Number of elements that a variable has now.
+pub(crate) fn length<V: Variables>(variables: &V, variable: &Variable) -> usize {
+    let values = variables.values(variable.value_reference);
+    // The independent variable has no storage.
+    values.map_or(1, Values::len)
+}
+
+/// Whether every array has the size that is declared, or that its structural parameter says.
+pub(crate) fn check_sizes<V: Variables>(variables: &V) -> bool {
+    let is_right = |variable: &Variable| {
+        let size = match variable.dimension.and_then(|d| d.parameter) {
+            None => Some(variable.length().into()),
+            Some(parameter) => match variables.values(parameter) {
+                Some(Values::UInt64(&[size])) => Some(size),
+                _ => None,
+            },
+        };
+        size == Some(length(variables, variable) as u64)
+    };
+    V::MODEL.variables.iter().all(is_right)
+}
+
 /// Whether every parameter is within its range.
 pub(crate) fn check_parameters<V: Variables>(variables: &V) -> Result<(), Failure> {
     for variable in V::MODEL.variables {
-        if variable.causality == Causality::Parameter {
-            for index in 0..variable.length as usize {
+        if is_parameter(variable) {
+            for index in 0..length(variables, variable) {
                 check_admissible(variable, index, element(variables, variable, index)?)?;
             }
         }
@@ -164,55 +278,8 @@ pub(crate) fn same_parameters<V: Variables>(a: &V, b: &V) -> bool {
     V::MODEL
         .variables
         .iter()
-        .filter(|v| v.causality == Causality::Parameter)
+        .filter(|v| is_parameter(v))
         .all(|v| a.values(v.value_reference) == b.values(v.value_reference))
-}
-
-/// The elements that references name, one after the other; unknown ones are left out.
-pub(crate) fn elements<U: Unit>(
-    references: &[u32],
-    addressing: Addressing,
-) -> impl Iterator<Item = (&'static Variable, usize)> {
-    references
-        .iter()
-        .flat_map(move |&reference| {
-            let (variable, first, count) = locate::<U>(reference, addressing).ok()?;
-            Some((first..first + count).map(move |index| (variable, index)))
-        })
-        .flatten()
-}
-
-/// The variable that a reference names, its first element meant and their number.
-pub(crate) fn locate<U: Unit>(
-    reference: u32,
-    addressing: Addressing,
-) -> Result<(&'static Variable, usize, usize), Failure> {
-    let Some((variable, index)) = U::Variables::MODEL.find(reference) else {
-        return Err(Failure(format!("value reference {reference} is unknown")));
-    };
-    match addressing {
-        Addressing::Elements => Ok((variable, index, 1)),
-        Addressing::Variables if index == 0 => Ok((variable, 0, variable.length as usize)),
-        Addressing::Variables => Err(Failure(format!(
-            "value reference {reference} is unknown: it names an element of {}, an array with value reference {}",
-            variable.name, variable.value_reference
-        ))),
-    }
-}
-
-fn check_count<U: Unit>(
-    references: &[u32],
-    values: usize,
-    addressing: Addressing,
-) -> Result<(), Failure> {
-    let mut elements = 0;
-    for &reference in references {
-        elements += locate::<U>(reference, addressing)?.2;
-    }
-    if elements == values {
-        return Ok(());
-    }
-    Err(Failure(format!("{values} values for {elements} elements")))
 }
 
 /// Parameters must be finite and within their range, enumerations must be one of their items. Inputs
@@ -241,9 +308,10 @@ fn check_admissible(
         }
         Element::Float64(value) => value,
         Element::Int32(value) => value.into(),
+        Element::UInt64(value) => value as f64,
     };
     let within = value.is_finite() && (variable.min..=variable.max).contains(&value);
-    if within || variable.causality != Causality::Parameter {
+    if within || !is_parameter(variable) {
         return Ok(());
     }
     let unit = match variable.unit {
@@ -269,7 +337,7 @@ struct Name(&'static Variable, usize);
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(variable, index) = self;
-        if variable.is_array {
+        if variable.dimension.is_some() {
             write!(f, "{}[{}]", variable.name, index + 1)
         } else {
             f.write_str(variable.name)

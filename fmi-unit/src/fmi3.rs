@@ -25,7 +25,7 @@ use crate::legality::fmi3 as table;
 use crate::model::Variables;
 use crate::pointer::{slice, slice_mut, target};
 use crate::sensitivity::Product;
-use crate::transfer::{Absent, Boolean, Float64, Int32, Int64};
+use crate::transfer::{Absent, Boolean, Float64, Int32, Int64, UInt64};
 use crate::unit::Unit;
 
 mod absent;
@@ -87,6 +87,8 @@ macro_rules! plain {
 }
 
 plain! {
+    fmi3EnterConfigurationMode, ENTER_CONFIGURATION: |i| i.enter_configuration();
+    fmi3ExitConfigurationMode, EXIT_CONFIGURATION: |i| { i.exit_configuration(); Ok(()) };
     fmi3ExitInitializationMode, EXIT_INITIALIZATION: |i| i.exit_initialization();
     fmi3Terminate, TERMINATE: |i| { i.terminate(); Ok(()) };
     fmi3Reset, RESET: |i| { i.reset(); Ok(()) };
@@ -130,7 +132,7 @@ variables! {
     fmi3GetInt32, fmi3SetInt32: Int32, fmi3Int32;
     fmi3GetUInt32, fmi3SetUInt32: Absent<fmi3UInt32>, fmi3UInt32;
     fmi3GetInt64, fmi3SetInt64: Int64, fmi3Int64;
-    fmi3GetUInt64, fmi3SetUInt64: Absent<fmi3UInt64>, fmi3UInt64;
+    fmi3GetUInt64, fmi3SetUInt64: UInt64, fmi3UInt64;
     fmi3GetBoolean, fmi3SetBoolean: Boolean<fmi3Boolean>, fmi3Boolean;
     fmi3GetString, fmi3SetString: Absent<fmi3String>, fmi3String;
 }

@@ -24,7 +24,7 @@ pub(crate) enum Interface {
 }
 
 /// Everything that changes and is not the unit's own; a snapshot holds it as it is.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct Situation<V: Variables> {
     pub(crate) interface: Interface,
@@ -60,6 +60,39 @@ impl<V: Variables> Situation<V> {
             ticks: Ticks::default(),
             clocked: false,
         }
+    }
+}
+
+impl<V: Variables> Clone for Situation<V> {
+    fn clone(&self) -> Self {
+        let variables = self.variables.clone();
+        Self { variables, ..*self }
+    }
+
+    /// Without allocation where the sizes agree.
+    fn clone_from(&mut self, source: &Self) {
+        let Self {
+            interface,
+            mode,
+            start,
+            stop,
+            time,
+            ref variables,
+            stale,
+            ticks,
+            clocked,
+            step_event,
+        } = *source;
+        self.variables.clone_from(variables);
+        self.interface = interface;
+        self.mode = mode;
+        self.start = start;
+        self.stop = stop;
+        self.time = time;
+        self.stale = stale;
+        self.ticks = ticks;
+        self.clocked = clocked;
+        self.step_event = step_event;
     }
 }
 
@@ -166,6 +199,24 @@ impl<U: Unit> Instance<U> {
         self.now.time = start;
         self.now.stop = stop;
         Ok(())
+    }
+
+    /// Refused to units that have nothing to configure (FMI 3.0 sec 2.3.3).
+    pub(crate) fn enter_configuration(&mut self) -> Result<(), Failure> {
+        let model = U::Variables::MODEL;
+        if !model.is_configurable() {
+            let name = model.name;
+            return Err(Failure(format!("{name} has no structural parameter")));
+        }
+        self.now.mode = Mode::Configuration;
+        Ok(())
+    }
+
+    /// Gives the arrays their new sizes: nothing later allocates for them.
+    pub(crate) fn exit_configuration(&mut self) {
+        self.now.variables.resize();
+        self.now.stale = true;
+        self.now.mode = Mode::Instantiated;
     }
 
     pub(crate) fn enter_initialization(&mut self) {

@@ -12,6 +12,8 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Mode {
     Instantiated,
+    /// FMI 3.0, where structural parameters are set.
+    Configuration,
     Initialization,
     /// Co-Simulation, between steps.
     Step,
@@ -32,6 +34,7 @@ impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Instantiated => "Instantiated",
+            Self::Configuration => "Configuration Mode",
             Self::Initialization => "Initialization Mode",
             Self::Step => "Step Mode",
             Self::Event => "Event Mode",
@@ -56,7 +59,7 @@ pub(crate) enum Verdict {
 }
 
 /// The verdicts on one call, in the order of [`Mode`].
-pub(crate) struct Row([Verdict; 9]);
+pub(crate) struct Row([Verdict; 10]);
 
 impl Row {
     pub(crate) fn verdict(&self, mode: Mode) -> Verdict {
@@ -67,10 +70,10 @@ impl Row {
 /// Reads a row of the tables below at compile time: `+` legal, `~` tolerated, `-` refused.
 const fn row(cells: &str) -> Row {
     let cells = cells.as_bytes();
-    assert!(cells.len() == 17, "nine cells with a blank between them");
-    let mut verdicts = [Verdict::Refused; 9];
+    assert!(cells.len() == 19, "ten cells with a blank between them");
+    let mut verdicts = [Verdict::Refused; 10];
     let mut i = 0;
-    while i < 9 {
+    while i < 10 {
         verdicts[i] = match cells[2 * i] {
             b'+' => Verdict::Legal,
             b'~' => Verdict::Tolerated,
@@ -83,73 +86,77 @@ const fn row(cells: &str) -> Row {
 }
 
 /// Calls that no mode forbids.
-pub(crate) const ALWAYS: Row = row("+ + + + + + + + +");
+pub(crate) const ALWAYS: Row = row("+ + + + + + + + + +");
 
 #[rustfmt::skip]
 pub(crate) mod fmi2 {
     use super::{Row, row};
     //                                             Instantiated
-    //                                             | Initialization
-    //                                             | | Step
-    //                                             | | | Event
-    //                                             | | | | Continuous-Time
-    //                                             | | | | | (unused in FMI 2.0)
+    //                                             | (unused in FMI 2.0)
+    //                                             | | Initialization
+    //                                             | | | Step
+    //                                             | | | | Event
+    //                                             | | | | | Continuous-Time
     //                                             | | | | | | (unused in FMI 2.0)
-    //                                             | | | | | | | Terminated
-    //                                             | | | | | | | | Failed
-    pub(crate) const SETUP_EXPERIMENT:     Row = row("+ ~ - - - - - - -");
-    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - -");
-    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - - -");
-    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - - ~ ~");
-    pub(crate) const RESET:                Row = row("+ + + + + - - + +");
-    pub(crate) const GET:                  Row = row("~ + + + + - - + +");
-    pub(crate) const SET:                  Row = row("+ + + + + - - ~ -");
-    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - - + -");
-    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - - + +");
-    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - ~ + - - - -");
-    pub(crate) const NEW_DISCRETE_STATES:  Row = row("- - - + - - - - -");
-    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - - -");
-    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - - -");
-    pub(crate) const SET_TIME:             Row = row("~ ~ - + + - - - -");
-    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - - -");
-    pub(crate) const GET_STATES:           Row = row("~ + - + + - - ~ -");
-    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - - + -");
-    pub(crate) const DO_STEP:              Row = row("- - + - - - - - -");
+    //                                             | | | | | | | (unused in FMI 2.0)
+    //                                             | | | | | | | | Terminated
+    //                                             | | | | | | | | | Failed
+    pub(crate) const SETUP_EXPERIMENT:     Row = row("+ - ~ - - - - - - -");
+    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - - -");
+    pub(crate) const EXIT_INITIALIZATION:  Row = row("- - + - - - - - - -");
+    pub(crate) const TERMINATE:            Row = row("~ - ~ + + + - - ~ ~");
+    pub(crate) const RESET:                Row = row("+ - + + + + - - + +");
+    pub(crate) const GET:                  Row = row("~ - + + + + - - + +");
+    pub(crate) const SET:                  Row = row("+ - + + + + - - ~ -");
+    pub(crate) const GET_FMU_STATE:        Row = row("+ - + + + + - - + -");
+    pub(crate) const SET_FMU_STATE:        Row = row("+ - + + + + - - + +");
+    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - - ~ + - - - -");
+    pub(crate) const NEW_DISCRETE_STATES:  Row = row("- - - - + - - - - -");
+    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - - + ~ - - - -");
+    pub(crate) const COMPLETED_STEP:       Row = row("- - - - ~ + - - - -");
+    pub(crate) const SET_TIME:             Row = row("~ - ~ - + + - - - -");
+    pub(crate) const SET_STATES:           Row = row("- - - - ~ + - - - -");
+    pub(crate) const GET_STATES:           Row = row("~ - + - + + - - ~ -");
+    pub(crate) const DERIVATIVE:           Row = row("~ - + + + + - - + -");
+    pub(crate) const DO_STEP:              Row = row("- - - + - - - - - -");
 }
 
 #[rustfmt::skip]
 pub(crate) mod fmi3 {
     use super::{Row, row};
     //                                             Instantiated
-    //                                             | Initialization
-    //                                             | | Step
-    //                                             | | | Event
-    //                                             | | | | Continuous-Time
-    //                                             | | | | | Intermediate Update
-    //                                             | | | | | | Clock Activation
-    //                                             | | | | | | | Terminated
-    //                                             | | | | | | | | Failed
-    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - -");
-    pub(crate) const EXIT_INITIALIZATION:  Row = row("- + - - - - - - -");
-    pub(crate) const TERMINATE:            Row = row("~ ~ + + + - + ~ ~");
-    pub(crate) const RESET:                Row = row("+ + + + + - + + +");
-    pub(crate) const GET:                  Row = row("~ + + + + + + + +");
-    pub(crate) const SET:                  Row = row("+ + + + + - + ~ -");
-    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + - - + -");
-    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + - - + +");
-    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - + ~ + - - - -");
-    pub(crate) const UPDATE_DISCRETE:      Row = row("- - - + - - - - -");
-    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - + ~ - - - -");
-    pub(crate) const COMPLETED_STEP:       Row = row("- - - ~ + - - - -");
-    pub(crate) const SET_TIME:             Row = row("~ ~ - ~ + - - - -");
-    pub(crate) const SET_STATES:           Row = row("- - - ~ + - - - -");
-    pub(crate) const GET_STATES:           Row = row("~ + - + + - - ~ -");
-    pub(crate) const COUNTS:               Row = row("+ + + + + - + + +");
-    pub(crate) const ENTER_STEP_MODE:      Row = row("- - ~ + - - - - -");
-    pub(crate) const CLOCK:                Row = row("- - - + - - - - -");
-    pub(crate) const INTERVAL:             Row = row("- + ~ + ~ - + - -");
-    pub(crate) const SET_INTERVAL:         Row = row("+ + - - - - - - -");
-    pub(crate) const ACTIVATE:             Row = row("- - - - - - + - -");
-    pub(crate) const DERIVATIVE:           Row = row("~ + + + + - - + -");
-    pub(crate) const DO_STEP:              Row = row("- - + - - - - - -");
+    //                                             | Configuration
+    //                                             | | Initialization
+    //                                             | | | Step
+    //                                             | | | | Event
+    //                                             | | | | | Continuous-Time
+    //                                             | | | | | | Intermediate Update
+    //                                             | | | | | | | Clock Activation
+    //                                             | | | | | | | | Terminated
+    //                                             | | | | | | | | | Failed
+    pub(crate) const ENTER_CONFIGURATION:  Row = row("+ - - - - - - - - -");
+    pub(crate) const EXIT_CONFIGURATION:   Row = row("- + - - - - - - - -");
+    pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - - -");
+    pub(crate) const EXIT_INITIALIZATION:  Row = row("- - + - - - - - - -");
+    pub(crate) const TERMINATE:            Row = row("~ ~ ~ + + + - + ~ ~");
+    pub(crate) const RESET:                Row = row("+ + + + + + - + + +");
+    pub(crate) const GET:                  Row = row("~ ~ + + + + + + + +");
+    pub(crate) const SET:                  Row = row("+ + + + + + - + ~ -");
+    pub(crate) const GET_FMU_STATE:        Row = row("+ + + + + + - - + -");
+    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + + - - + +");
+    pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - + ~ + - - - -");
+    pub(crate) const UPDATE_DISCRETE:      Row = row("- - - - + - - - - -");
+    pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - - + ~ - - - -");
+    pub(crate) const COMPLETED_STEP:       Row = row("- - - - ~ + - - - -");
+    pub(crate) const SET_TIME:             Row = row("~ - ~ - ~ + - - - -");
+    pub(crate) const SET_STATES:           Row = row("- - - - ~ + - - - -");
+    pub(crate) const GET_STATES:           Row = row("~ - + - + + - - ~ -");
+    pub(crate) const COUNTS:               Row = row("+ ~ + + + + - + + +");
+    pub(crate) const ENTER_STEP_MODE:      Row = row("- - - ~ + - - - - -");
+    pub(crate) const CLOCK:                Row = row("- - - - + - - - - -");
+    pub(crate) const INTERVAL:             Row = row("- - + ~ + ~ - + - -");
+    pub(crate) const SET_INTERVAL:         Row = row("+ - + - - - - - - -");
+    pub(crate) const ACTIVATE:             Row = row("- - - - - - - + - -");
+    pub(crate) const DERIVATIVE:           Row = row("~ - + + + + - - + -");
+    pub(crate) const DO_STEP:              Row = row("- - - + - - - - - -");
 }

@@ -34,6 +34,6 @@ pub use fmi_abi as abi;
 pub use clock::Ticks;
 pub use log::{Log, Severity};
 pub use model::{
-    Causality, Clock, Kind, Model, Values, ValuesMut, Variability, Variable, Variables,
+    Causality, Clock, Dimension, Kind, Model, Values, ValuesMut, Variability, Variable, Variables,
 };
 pub use unit::{Failure, Unit};

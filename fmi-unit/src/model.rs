@@ -10,6 +10,8 @@ pub enum Kind {
     Float64,
     /// 32-bit integer; Integer in FMI 2.0.
     Int32,
+    /// Unsigned 64-bit integer: structural parameters, which FMI 2.0 does not have.
+    UInt64,
     /// Truth value.
     Boolean,
     /// Enumeration: 64-bit in FMI 3.0, Integer in FMI 2.0.
@@ -22,6 +24,7 @@ pub enum Kind {
 pub enum Causality {
     Independent,
     Parameter,
+    StructuralParameter,
     CalculatedParameter,
     Input,
     Output,
@@ -44,12 +47,10 @@ pub enum Variability {
 pub struct Variable {
     /// Name, as in the description, without subscripts.
     pub name: &'static str,
-    /// First value reference; an array of n elements owns the n references from here on.
+    /// First value reference; an array that has n elements at the start owns the n references from here on.
     pub value_reference: u32,
-    /// Number of elements; 1 for a scalar.
-    pub length: u32,
-    /// Whether the variable has a dimension (an array may have length 1).
-    pub is_array: bool,
+    /// Size; `None` for a scalar.
+    pub dimension: Option<Dimension>,
     /// Type.
     pub kind: Kind,
     /// Role.
@@ -66,6 +67,22 @@ pub struct Variable {
     pub items: &'static [(i64, &'static str)],
 }
 
+/// Size of an array.
+#[derive(Clone, Copy, Debug)]
+pub struct Dimension {
+    /// Number of elements at the start; in FMI 2.0 always.
+    pub size: u32,
+    /// Value reference of the structural parameter that the size follows, if it may change.
+    pub parameter: Option<u32>,
+}
+
+impl Variable {
+    /// Number of elements at the start; 1 for a scalar.
+    pub fn length(&self) -> u32 {
+        self.dimension.map_or(1, |dimension| dimension.size)
+    }
+}
+
 /// One declared input clock, with an interval that parameters fix (FMI 3.0 sec 2.2.8).
 #[derive(Debug)]
 pub struct Clock {
@@ -73,8 +90,6 @@ pub struct Clock {
     pub name: &'static str,
     /// Value reference.
     pub value_reference: u32,
-    /// Interval that the description declares, of the start values \[s\].
-    pub interval: f64,
 }
 
 /// One declared unit.
@@ -107,13 +122,19 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether there are structural parameters, all of them fixed.
+    pub(crate) fn is_configurable(&self) -> bool {
+        let mut variables = self.variables.iter();
+        variables.any(|v| v.causality == Causality::StructuralParameter)
+    }
+
     /// The variable that owns `value_reference` and the element it names. O(log n).
     pub fn find(&self, value_reference: u32) -> Option<(&'static Variable, usize)> {
         let variables: &'static [Variable] = self.variables;
         let after = variables.partition_point(|v| v.value_reference <= value_reference);
         let variable = &variables[after.checked_sub(1)?];
         let element = value_reference - variable.value_reference;
-        (element < variable.length).then_some((variable, element as usize))
+        (element < variable.length()).then_some((variable, element as usize))
     }
 }
 
@@ -123,8 +144,22 @@ impl Model {
 pub enum Values<'a> {
     Float64(&'a [f64]),
     Int32(&'a [i32]),
+    UInt64(&'a [u64]),
     Boolean(&'a [bool]),
     Enumeration(&'a [i64]),
+}
+
+impl Values<'_> {
+    /// Number of elements.
+    pub(crate) fn len(self) -> usize {
+        match self {
+            Self::Float64(values) => values.len(),
+            Self::Int32(values) => values.len(),
+            Self::UInt64(values) => values.len(),
+            Self::Boolean(values) => values.len(),
+            Self::Enumeration(values) => values.len(),
+        }
+    }
 }
 
 /// Values of one variable, to be written.
@@ -133,6 +168,7 @@ pub enum Values<'a> {
 pub enum ValuesMut<'a> {
     Float64(&'a mut [f64]),
     Int32(&'a mut [i32]),
+    UInt64(&'a mut [u64]),
     Boolean(&'a mut [bool]),
     Enumeration(&'a mut [i64]),
 }
@@ -151,4 +187,8 @@ pub trait Variables:
 
     /// The same, to be written.
     fn values_mut(&mut self, value_reference: u32) -> Option<ValuesMut<'_>>;
+
+    /// Gives each array the size that its structural parameter says. Elements that there were keep their
+    /// values, new ones have their start value.
+    fn resize(&mut self);
 }

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use crate::access::{Addressing, element, elements, locate, store};
+use crate::access::{Addressing, element, length, store};
 use crate::instance::Instance;
 use crate::legality::Mode;
 use crate::model::{Causality, Kind, Variability, Variable, Variables};
@@ -27,18 +27,28 @@ pub(crate) struct Columns<V> {
 
 impl<V: Variables> Columns<V> {
     pub(crate) fn new() -> Box<Self> {
+        let zeros = || zeros(V::default());
         Box::new(Self {
             direction: zeros(),
             sides: [zeros(), zeros()],
         })
     }
+
+    /// Gives the arrays the sizes that those of `now` have, if they differ.
+    fn fit(&mut self, now: &V) {
+        let differs = |v: &Variable| length(&self.direction, v) != length(now, v);
+        if V::MODEL.variables.iter().any(differs) {
+            let zeros = zeros(now.clone());
+            self.sides = [zeros.clone(), zeros.clone()];
+            self.direction = zeros;
+        }
+    }
 }
 
-/// All numbers zero.
-fn zeros<V: Variables>() -> V {
-    let mut values = V::default();
+/// `values` with all numbers zero.
+fn zeros<V: Variables>(mut values: V) -> V {
     for variable in V::MODEL.variables {
-        for index in 0..variable.length as usize {
+        for index in 0..length(&values, variable) {
             if variable.kind == Kind::Float64 && variable.causality != Causality::Independent {
                 let zero = Element::Float64(0.0);
                 // Every variable but the independent one has storage.
@@ -117,8 +127,9 @@ impl<U: Unit> Instance<U> {
         self.check(knowns, columns, addressing, Role::Known)?;
         self.refresh();
         sensitivity.fill(0.0);
-        for (j, (known, index)) in elements::<U>(knowns, addressing).enumerate() {
-            let column = self.column(room, known, index, elements::<U>(unknowns, addressing));
+        room.fit(&self.now.variables);
+        for (j, (known, index)) in self.elements(knowns, addressing).enumerate() {
+            let column = self.column(room, known, index, self.elements(unknowns, addressing));
             for (i, partial) in column.enumerate() {
                 match product {
                     Product::Directional => sensitivity[i] += partial? * seed[j],
@@ -185,7 +196,7 @@ impl<U: Unit> Instance<U> {
         let initial = matches!(self.now.mode, Mode::Instantiated | Mode::Initialization);
         let mut total = 0;
         for &reference in references {
-            let (variable, _, elements) = locate::<U>(reference, addressing)?;
+            let (variable, _, elements) = self.locate(reference, addressing)?;
             let reference = variable.value_reference;
             let (is_state, is_derivative) = (
                 model.states.contains(&reference),

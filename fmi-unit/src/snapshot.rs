@@ -5,14 +5,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::access::{check_parameters, same_parameters};
+use crate::access::{check_parameters, check_sizes, same_parameters};
 use crate::instance::{Instance, Interface, Situation};
 use crate::legality::Mode;
 use crate::model::Variables;
 use crate::unit::{Failure, Unit};
 
 /// Version of the serialized form.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bytes of the check sum at the end.
 const CHECK: usize = 8;
 
@@ -134,20 +134,23 @@ impl<U: Unit> Snapshot<U> {
             mode,
             start,
             time,
+            variables,
             ..
         } = &self.situation;
         let set_up = self.state.is_some();
         use Interface::{CoSimulation, EventfulCoSimulation, ModelExchange};
         let in_one_of = |interfaces: &[Interface]| set_up && interfaces.contains(interface);
         let legal = match mode {
-            Mode::Instantiated | Mode::Initialization => !set_up,
+            Mode::Instantiated | Mode::Configuration | Mode::Initialization => !set_up,
             Mode::Step => in_one_of(&[CoSimulation, EventfulCoSimulation]),
             Mode::Event => in_one_of(&[ModelExchange, EventfulCoSimulation]),
             Mode::ContinuousTime => in_one_of(&[ModelExchange]),
             Mode::Terminated => true,
             Mode::IntermediateUpdate | Mode::ClockActivation | Mode::Failed => false,
         };
-        legal && start.is_finite() && time.is_finite() && start <= time
+        // In Configuration Mode the arrays have yet to follow.
+        let sized = *mode == Mode::Configuration || check_sizes(variables);
+        legal && sized && start.is_finite() && time.is_finite() && start <= time
     }
 }
 

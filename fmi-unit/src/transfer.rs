@@ -10,6 +10,7 @@ use crate::model::Kind;
 pub(crate) enum Element {
     Float64(f64),
     Int32(i32),
+    UInt64(u64),
     Boolean(bool),
     Enumeration(i64),
 }
@@ -71,6 +72,21 @@ impl Transfer for Int32 {
     }
     fn inward(value: i32, kind: Kind) -> Option<Element> {
         (kind == Kind::Int32).then_some(Element::Int32(value))
+    }
+}
+
+/// `fmi3UInt64`.
+pub(crate) enum UInt64 {}
+impl Transfer for UInt64 {
+    type Foreign = u64;
+    fn outward(element: Element) -> Option<u64> {
+        match element {
+            Element::UInt64(value) => Some(value),
+            _ => None,
+        }
+    }
+    fn inward(value: u64, kind: Kind) -> Option<Element> {
+        (kind == Kind::UInt64).then_some(Element::UInt64(value))
     }
 }
 

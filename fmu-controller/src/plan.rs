@@ -4,14 +4,13 @@ use control::nmpc::plan::Plan;
 
 use crate::variables::NmpcPlan;
 
-/// Points at which a plan is published; with N = 40 these are the shooting nodes.
-const POINTS: usize = 41;
-
-/// Writes a plan that begins `latency` \[s\] after the sample that made it. O(points).
+/// Writes a plan that begins `latency` \[s\] after the sample that made it, at as many points as the arrays
+/// have; N + 1 are the shooting nodes. O(points).
 pub fn publish(plan: &Plan, latency: f64, published: &mut NmpcPlan) {
-    for k in 0..POINTS {
+    let last = published.time.len() - 1;
+    for k in 0..=last {
         // In intervals from the start; whole numbers come out exactly.
-        let instant = plan.at((k * plan.moves.len()) as f64 / (POINTS - 1) as f64);
+        let instant = plan.at((k * plan.moves.len()) as f64 / last as f64);
         published.time[k] = latency + instant.time;
         published.angle[k] = instant.angle;
         published.reference_angle[k] = instant.reference.angle;

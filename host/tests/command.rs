@@ -225,8 +225,9 @@ fn an_fmu_is_shown() {
         "Co-Simulation",
         platform(3),
         "variable communication step",
-        "8 variables:",
-        "vector[3]",
+        "9 variables:",
+        "Structural parameters",
+        "vector[size]",
         "-10 .. 10",
     ] {
         assert!(text.contains(expected), "{expected}: {text}");

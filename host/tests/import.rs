@@ -101,8 +101,43 @@ fn one_element_of_an_array_is_set_alone() {
     let names = ["vector[1]", "vector[2]", "vector[3]", "gain"];
     assert_eq!(
         names.map(|name| value(&mut instance, name)),
-        [1.0, 20.0, 3.0, 5.0]
+        [1.0, 20.0, 1.0, 5.0]
     );
+}
+
+/// The mock refuses its structural parameter outside Configuration Mode, and all but the right number of values.
+#[test]
+fn structural_parameters_come_first_and_again_after_a_reset() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Fmu::open(&mock(folder.path(), 3)).unwrap();
+    let size = fmu.description().scalar("size").unwrap();
+    let mut plain = fmu.instantiate("m", false).unwrap();
+    let late = set(&mut plain, &[("size", Value::Integer(5))]).unwrap_err();
+    assert!(late.to_string().contains("fmi3SetUInt64"), "{late}");
+
+    let given = [(size, Value::Integer(5))];
+    let larger = fmu.configured(&given).unwrap();
+    assert!(fmu.description().scalar("vector[5]").is_err());
+    let mut instance = larger.instantiate("m", false).unwrap();
+    for _ in 0..2 {
+        instance.set_start_values(&given).unwrap();
+        set(&mut instance, &[("vector[5]", Value::Float(50.0))]).unwrap();
+        let names = ["size", "vector[1]", "vector[5]"];
+        assert_eq!(
+            names.map(|name| value(&mut instance, name)),
+            [5.0, 1.0, 50.0]
+        );
+        start(&mut instance);
+        instance.do_step(0.0, 1.0).unwrap();
+        instance.terminate().unwrap();
+        instance.reset().unwrap();
+        assert_eq!(value(&mut instance, "vector[5]"), 1.0);
+    }
+    // The FMU itself is as it was.
+    let absurd = [(size, Value::Integer(1 << 40))];
+    let refused = fmu.configured(&absurd).unwrap_err().to_string();
+    assert!(refused.contains("vector"), "{refused}");
+    assert_eq!(value(&mut plain, "vector[3]"), 1.0);
 }
 
 #[test]

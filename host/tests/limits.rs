@@ -11,7 +11,7 @@ use std::fs;
 fn descriptions_that_ask_for_too_much_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("m.fmu");
-    let array = "<Dimension start=\"3\"/>";
+    let array = "<Dimension valueReference=\"8\"/>";
     for (dimensions, size) in [
         ("<Dimension start=\"90000000000\"/>", "90000000000"),
         (

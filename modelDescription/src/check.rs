@@ -1,6 +1,7 @@
 //! Rules that a model description must keep beyond the schema, each reported with its line.
 
 mod clocks;
+mod dimensions;
 mod structure;
 mod variables;
 
@@ -10,6 +11,7 @@ use crate::xml::Reader;
 /// Reports everything that is inconsistent.
 pub(crate) fn check(description: &ModelDescription, reader: &mut Reader) {
     variables::check(description, reader);
+    dimensions::check(description, reader);
     clocks::check(description, reader);
     structure::check(description, reader);
 }
@@ -18,7 +20,9 @@ pub(crate) fn check(description: &ModelDescription, reader: &mut Reader) {
 pub(crate) fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
     Some(match (causality, variability) {
         (Causality::Input | Causality::Independent, _) => return None,
-        (Causality::Parameter, _) | (_, Variability::Constant) => Initial::Exact,
+        (Causality::Parameter | Causality::StructuralParameter, _) | (_, Variability::Constant) => {
+            Initial::Exact
+        }
         _ => Initial::Calculated,
     })
 }

@@ -1,6 +1,7 @@
 //! The FMI 2.0 model description, derived from the same tree.
 //!
-//! FMI 2.0 has no arrays: they become scalars `name[1]` …, whose value references follow each other.
+//! FMI 2.0 has no arrays: they become scalars `name[1]` …, whose value references follow each other. Without
+//! arrays there are no structural parameters: they are left out, and arrays have their size at the start.
 //! Its model structure counts variables from 1 instead of naming their references, time is implicit,
 //! `Int32` is `Integer` and `Float64` is `Real`.
 
@@ -166,10 +167,11 @@ struct Scalar<'a> {
 
 impl<'a> Scalars<'a> {
     fn new(d: &'a ModelDescription) -> Self {
+        use Causality as C;
         let stored = d
             .variables
             .iter()
-            .filter(|v| v.causality != Causality::Independent);
+            .filter(|v| !matches!(v.causality, C::Independent | C::StructuralParameter));
         let elements = |of: &'a Variable| {
             (0..)
                 .zip(of.element_names())
@@ -221,7 +223,7 @@ fn scalar(out: &mut String, d: &ModelDescription, all: &Scalars, s: &Scalar) -> 
         }
     }
     if let Some(start) = &v.start
-        && let Some(value) = start.get(s.element as usize)
+        && let Some(value) = start.get(s.element as usize).or(start.first())
     {
         write!(out, " start=\"{value}\"")?;
     }
@@ -234,7 +236,7 @@ fn scalar(out: &mut String, d: &ModelDescription, all: &Scalars, s: &Scalar) -> 
 fn type_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Float64 => "Real",
-        Kind::Int32 => "Integer",
+        Kind::Int32 | Kind::UInt64 => "Integer",
         Kind::Boolean => "Boolean",
         Kind::Enumeration => "Enumeration",
     }

@@ -26,6 +26,6 @@ pub mod xml;
 pub use diagnostic::Diagnostic;
 pub use read::read;
 pub use tree::{
-    Causality, Clock, DisplayUnit, EnumerationType, Experiment, Initial, Interface, Item, Kind,
-    LogCategory, ModelDescription, Unit, Unknown, Value, Variability, Variable,
+    Causality, Clock, Dimension, DisplayUnit, EnumerationType, Experiment, Initial, Interface,
+    Item, Kind, LogCategory, ModelDescription, Unit, Unknown, Value, Variability, Variable,
 };

@@ -117,6 +117,7 @@ fn value(unit: &ModelDescription, v: &Variable, start: tree::Value) -> Value {
     match start {
         tree::Value::Float64(value) => Value::Real(value),
         tree::Value::Int32(value) => Value::Integer(value.into()),
+        tree::Value::UInt64(value) => Value::Integer(value.try_into().unwrap_or(i64::MAX)),
         tree::Value::Boolean(value) => Value::Boolean(value),
         tree::Value::Enumeration(value) => {
             let mut items = unit.declared_type(v).into_iter().flat_map(|t| &t.items);

@@ -131,6 +131,7 @@ fn root<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> ModelDescription {
                     description.variables.extend(variable);
                     description.clocks.extend(clock);
                 }
+                variables::resolve(&mut description.variables);
             }
             _ => structure(r, section, &mut description),
         }

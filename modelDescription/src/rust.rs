@@ -1,7 +1,6 @@
 //! The Rust code of a unit's variables, made by its build script.
 //!
-//! For `use`, the crate that includes the code depends on `fmi-unit`, `serde` and, for arrays of
-//! more than 32 elements, `serde-big-array`.
+//! For `use`, the crate that includes the code depends on `fmi-unit` and `serde`.
 
 use crate::names::{camel_case, group_type, path};
 use crate::tree::{Causality, EnumerationType, Kind, ModelDescription, Value, Variable};
@@ -10,6 +9,11 @@ use std::fmt::Write;
 
 /// Longest array for which serde implements its traits.
 const SERDE_ARRAY: u32 = 32;
+
+/// Whether an array is a `Vec`: its size may change, or it is too long for serde.
+fn is_vec(v: &Variable) -> bool {
+    v.sized_by().is_some() || v.length() > SERDE_ARRAY
+}
 
 /// A struct of the generated code: fields that are variables and fields that are groups.
 #[derive(Default)]
@@ -85,8 +89,12 @@ fn model(out: &mut String, d: &ModelDescription) {
         line!(out, "        ::fmi_unit::Variable {{");
         line!(out, "            name: {:?},", v.name);
         line!(out, "            value_reference: {},", v.value_reference);
-        line!(out, "            length: {},", v.length());
-        line!(out, "            is_array: {},", v.dimension.is_some());
+        let dimension = v.dimension.map(|d| {
+            let (size, parameter) = (d.size, d.parameter);
+            format!("::fmi_unit::Dimension {{ size: {size}, parameter: {parameter:?} }}")
+        });
+        let dimension = dimension.map_or("None".to_owned(), |d| format!("Some({d})"));
+        line!(out, "            dimension: {dimension},");
         line!(out, "            kind: ::fmi_unit::Kind::{:?},", v.kind);
         line!(
             out,
@@ -124,7 +132,6 @@ fn model(out: &mut String, d: &ModelDescription) {
         line!(out, "        ::fmi_unit::Clock {{");
         line!(out, "            name: {:?},", c.name);
         line!(out, "            value_reference: {},", c.value_reference);
-        line!(out, "            interval: {},", number(c.interval));
         line!(out, "        }},");
     }
     line!(out, "    ],");
@@ -147,6 +154,7 @@ fn range(d: &ModelDescription, v: &Variable) -> (f64, f64) {
     let (least, greatest) = match v.kind {
         Kind::Float64 => (f64::NEG_INFINITY, f64::INFINITY),
         Kind::Int32 => (i32::MIN.into(), i32::MAX.into()),
+        Kind::UInt64 => (0.0, u64::MAX as f64),
         Kind::Boolean => (0.0, 1.0),
         Kind::Enumeration => (
             values.iter().min().copied().unwrap_or_default().into(),
@@ -194,7 +202,7 @@ fn structs(out: &mut String, group: &Group, at: &mut Vec<String>, title: &str) {
     line!(out, "\n/// {title}");
     line!(
         out,
-        "#[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]"
+        "#[derive(Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]"
     );
     line!(out, "pub struct {name} {{");
     for (field, v) in &group.variables {
@@ -205,18 +213,17 @@ fn structs(out: &mut String, group: &Group, at: &mut Vec<String>, title: &str) {
             markdown(&v.description),
             unit.unwrap_or_default()
         );
-        if v.length() > SERDE_ARRAY {
-            line!(out, "    #[serde(with = \"::serde_big_array::BigArray\")]");
-        }
         let scalar = match v.kind {
             Kind::Float64 => "f64",
             Kind::Int32 => "i32",
+            Kind::UInt64 => "u64",
             Kind::Boolean => "bool",
             Kind::Enumeration => "i64",
         };
         match v.dimension {
             None => line!(out, "    pub {field}: {scalar},"),
-            Some(n) => line!(out, "    pub {field}: [{scalar}; {n}],"),
+            Some(_) if is_vec(v) => line!(out, "    pub {field}: Vec<{scalar}>,"),
+            Some(d) => line!(out, "    pub {field}: [{scalar}; {}],", d.size),
         }
     }
     for field in group.groups.keys() {
@@ -241,7 +248,21 @@ fn structs(out: &mut String, group: &Group, at: &mut Vec<String>, title: &str) {
         line!(out, "            {field}: {}::default(),", group_type(at));
         at.pop();
     }
-    line!(out, "        }}\n    }}\n}}");
+    line!(out, "        }}\n    }}\n}}\n");
+    let fields = group.variables.iter().map(|(field, _)| field);
+    let fields: Vec<_> = fields.chain(group.groups.keys()).collect();
+    line!(out, "impl Clone for {name} {{");
+    line!(out, "    fn clone(&self) -> Self {{\n        Self {{");
+    for field in &fields {
+        line!(out, "            {field}: self.{field}.clone(),");
+    }
+    line!(out, "        }}\n    }}\n");
+    line!(out, "    /// Without allocation where the sizes agree.");
+    line!(out, "    fn clone_from(&mut self, source: &Self) {{");
+    for field in &fields {
+        line!(out, "        self.{field}.clone_from(&source.{field});");
+    }
+    line!(out, "    }}\n}}");
     for (field, inner) in &group.groups {
         at.push(field.clone());
         let title = format!("Variables `{}.*`.", at.join("."));
@@ -250,28 +271,40 @@ fn structs(out: &mut String, group: &Group, at: &mut Vec<String>, title: &str) {
     }
 }
 
-/// The start values of a variable as Rust code; zero if it has none.
-fn start(v: &Variable) -> String {
-    let zero = match v.kind {
-        Kind::Float64 => Value::Float64(0.0),
-        Kind::Int32 => Value::Int32(0),
-        Kind::Boolean => Value::Boolean(false),
-        Kind::Enumeration => Value::Enumeration(0),
-    };
-    let code = |value: &Value| match value {
+/// A value as Rust code.
+fn code(value: &Value) -> String {
+    match value {
         Value::Float64(x) => number(*x),
         other => other.to_string(),
-    };
-    match (v.dimension, &v.start) {
-        (None, start) => code(start.iter().flatten().next().unwrap_or(&zero)),
-        (Some(_), Some(start)) => {
-            format!(
-                "[{}]",
-                start.iter().map(code).collect::<Vec<_>>().join(", ")
-            )
-        }
-        (Some(n), None) => format!("[{}; {n}]", code(&zero)),
     }
+}
+
+/// What a variable without a start value starts with.
+fn zero(v: &Variable) -> Value {
+    match v.kind {
+        Kind::Float64 => Value::Float64(0.0),
+        Kind::Int32 => Value::Int32(0),
+        Kind::UInt64 => Value::UInt64(0),
+        Kind::Boolean => Value::Boolean(false),
+        Kind::Enumeration => Value::Enumeration(0),
+    }
+}
+
+/// The start values of a variable as Rust code; zero if it has none.
+fn start(v: &Variable) -> String {
+    let values: Vec<_> = v.start.iter().flatten().map(code).collect();
+    let prefix = if is_vec(v) { "vec!" } else { "" };
+    match (v.dimension, &values[..]) {
+        (None, [value, ..]) => value.clone(),
+        (None, []) => code(&zero(v)),
+        (Some(d), [] | [_]) => format!("{prefix}[{}; {}]", fill(v), d.size),
+        (Some(_), values) => format!("{prefix}[{}]", values.join(", ")),
+    }
+}
+
+/// What new elements of an array begin with.
+fn fill(v: &Variable) -> String {
+    code(v.start.iter().flatten().next().unwrap_or(&zero(v)))
 }
 
 fn access(out: &mut String, stored: &[(&Variable, String)]) {
@@ -299,6 +332,18 @@ fn access(out: &mut String, stored: &[(&Variable, String)]) {
         }
         line!(out, "            _ => return None,\n        }})\n    }}");
     }
+    line!(out, "\n    fn resize(&mut self) {{");
+    for (v, field) in stored {
+        let sizes = |(s, _): &&(&Variable, String)| Some(s.value_reference) == v.sized_by();
+        if let Some((_, size)) = stored.iter().find(sizes) {
+            let fill = fill(v);
+            line!(
+                out,
+                "        self.{field}.resize(self.{size} as usize, {fill});"
+            );
+        }
+    }
+    line!(out, "    }}");
     line!(out, "}}");
 }
 
@@ -328,6 +373,19 @@ mod tests {
     use super::*;
     use crate::read;
 
+    /// The tank with a table whose size may change.
+    fn structural() -> String {
+        let points = "<UInt64 name=\"valve.points\" valueReference=\"22\" causality=\"structuralParameter\" \
+                      variability=\"fixed\" start=\"3\" min=\"1\" max=\"9\" description=\"d\"/></ModelVariables>";
+        VALID
+            .replace("</ModelVariables>", points)
+            .replace("start=\"1 2 3\"", "start=\"7\"")
+            .replace(
+                "<Dimension start=\"3\"/>",
+                "<Dimension valueReference=\"22\"/>",
+            )
+    }
+
     fn generated(text: &str) -> String {
         generate(&read(text, "t.xml").unwrap())
     }
@@ -351,11 +409,10 @@ mod tests {
             assert!(code.contains(line), "{line}\n{code}");
         }
         assert!(!code.contains("pub clock"), "time has no storage");
-        assert!(!code.contains("BigArray"));
     }
 
     #[test]
-    fn long_arrays_are_serialised_by_serde_big_array() {
+    fn long_arrays_are_vectors() {
         let starts = ["1"; 33].join(" ");
         let text = VALID
             .replace("start=\"1 2 3\"", &format!("start=\"{starts}\""))
@@ -366,9 +423,31 @@ mod tests {
             .replace("dependencies=\"2\"", "dependencies=\"22\"")
             .replace("dependencies=\"1 2\"", "dependencies=\"1 22\"")
             .replace("dependencies=\"10\"", "dependencies=\"1000\"");
-        let field =
-            "    #[serde(with = \"::serde_big_array::BigArray\")]\n    pub table: [f64; 33],";
-        assert!(generated(&text).contains(field));
+        let code = generated(&text);
+        assert!(code.contains("    pub table: Vec<f64>,"), "{code}");
+        assert!(
+            code.contains("            table: vec![1.0, 1.0, "),
+            "{code}"
+        );
+        assert!(!code.contains("self.valve.table.resize("), "{code}");
+    }
+
+    #[test]
+    fn arrays_follow_their_structural_parameter() {
+        let code = generated(&structural());
+        for line in [
+            "    pub points: u64,",
+            "            points: 3,",
+            "    pub table: Vec<f64>,",
+            "            table: vec![7.0; 3],",
+            "            dimension: Some(::fmi_unit::Dimension { size: 3, parameter: Some(22) }),",
+            "            causality: ::fmi_unit::Causality::StructuralParameter,",
+            "            22 => ::fmi_unit::Values::UInt64(::std::slice::from_ref(&self.valve.points)),",
+            "        self.valve.table.resize(self.valve.points as usize, 7.0);",
+            "        self.table.clone_from(&source.table);",
+        ] {
+            assert!(code.contains(line), "{line}\n{code}");
+        }
     }
 
     #[test]

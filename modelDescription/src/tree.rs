@@ -193,8 +193,15 @@ macro_rules! named {
 }
 
 named! {
-    /// Type of a variable: those that both FMI versions have and the units need.
-    Kind { Float64 = "Float64", Int32 = "Int32", Boolean = "Boolean", Enumeration = "Enumeration" }
+    /// Type of a variable: those that both FMI versions have and the units need, and `UInt64` of structural
+    /// parameters, which FMI 2.0 does not have.
+    Kind {
+        Float64 = "Float64",
+        Int32 = "Int32",
+        UInt64 = "UInt64",
+        Boolean = "Boolean",
+        Enumeration = "Enumeration",
+    }
 }
 
 named! {
@@ -202,6 +209,7 @@ named! {
     Causality {
         Independent = "independent",
         Parameter = "parameter",
+        StructuralParameter = "structuralParameter",
         CalculatedParameter = "calculatedParameter",
         Input = "input",
         Output = "output",
@@ -225,12 +233,13 @@ named! {
     Initial { Exact = "exact", Approx = "approx", Calculated = "calculated" }
 }
 
-/// A value of one of the four kinds.
+/// A value of one of the kinds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the names are those of Kind")]
 pub enum Value {
     Float64(f64),
     Int32(i32),
+    UInt64(u64),
     Boolean(bool),
     Enumeration(i32),
 }
@@ -241,6 +250,7 @@ impl Value {
         match self {
             Self::Float64(value) => value,
             Self::Int32(value) | Self::Enumeration(value) => f64::from(value),
+            Self::UInt64(value) => value as f64,
             Self::Boolean(value) => f64::from(u8::from(value)),
         }
     }
@@ -250,6 +260,7 @@ impl Value {
         Some(match kind {
             Kind::Float64 => Self::Float64(crate::xml::parse_f64(text)?),
             Kind::Int32 => Self::Int32(text.parse().ok()?),
+            Kind::UInt64 => Self::UInt64(text.parse().ok()?),
             Kind::Boolean => Self::Boolean(crate::xml::parse_bool(text)?),
             Kind::Enumeration => Self::Enumeration(text.parse().ok()?),
         })
@@ -262,6 +273,7 @@ impl fmt::Display for Value {
         match self {
             Self::Float64(value) => f.write_str(&crate::xml::f64_text(*value)),
             Self::Int32(value) | Self::Enumeration(value) => write!(f, "{value}"),
+            Self::UInt64(value) => write!(f, "{value}"),
             Self::Boolean(value) => write!(f, "{value}"),
         }
     }
@@ -272,7 +284,7 @@ impl fmt::Display for Value {
 pub struct Variable {
     /// Name: dotted groups of snake case names, or `der(name)`. Arrays carry no subscript.
     pub name: String,
-    /// First value reference; an array of n elements owns n consecutive ones.
+    /// First value reference; an array that has n elements at the start owns n consecutive ones.
     pub value_reference: u32,
     /// Type.
     pub kind: Kind,
@@ -296,20 +308,35 @@ pub struct Variable {
     pub max: Option<f64>,
     /// Typical magnitude.
     pub nominal: Option<f64>,
-    /// Start values, one per element; None if the variable has none.
+    /// Start values, one per element, or one for all of an array whose size may change; None if the variable
+    /// has none.
     pub start: Option<Vec<Value>>,
-    /// Number of elements; None for a scalar.
-    pub dimension: Option<u32>,
+    /// Size; None for a scalar.
+    pub dimension: Option<Dimension>,
     /// Value reference of the variable that this one is the time derivative of.
     pub derivative: Option<u32>,
     /// Line of its declaration.
     pub line: u32,
 }
 
+/// Size of an array (FMI 3.0 sec 2.4.7.5: `Dimension`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimension {
+    /// Number of elements at the start.
+    pub size: u32,
+    /// Value reference of the structural parameter that it follows, if it may change.
+    pub parameter: Option<u32>,
+}
+
 impl Variable {
-    /// Number of elements; 1 for a scalar.
+    /// Number of elements at the start; 1 for a scalar.
     pub fn length(&self) -> u32 {
-        self.dimension.unwrap_or(1)
+        self.dimension.map_or(1, |dimension| dimension.size)
+    }
+
+    /// Value reference of the structural parameter that its size follows.
+    pub fn sized_by(&self) -> Option<u32> {
+        self.dimension?.parameter
     }
 
     /// Names of its scalar elements, as FMI 2.0 and parameter files know them: `name`, or `name[1]` …
@@ -321,7 +348,8 @@ impl Variable {
     }
 }
 
-/// An input clock that ticks in an interval which is fixed when the unit is set up (FMI 3.0 sec 2.2.8).
+/// An input clock that ticks in an interval which fixed parameters say: without `intervalDecimal` the importer asks
+/// for it (FMI 3.0 sec 2.2.8.3).
 #[derive(Clone, Debug)]
 pub struct Clock {
     /// Name, as of a variable.
@@ -330,8 +358,6 @@ pub struct Clock {
     pub value_reference: u32,
     /// What happens when it ticks.
     pub description: String,
-    /// Interval that follows from the start values \[s\].
-    pub interval: f64,
     /// Line of its declaration.
     pub line: u32,
 }

@@ -3,6 +3,7 @@
 use crate::archive::Archive;
 use crate::licences::Licences;
 use crate::platform::Platform;
+use crate::reference;
 use model_description::{ModelDescription, fmi2, fmi3};
 
 /// A version of the standard.
@@ -35,8 +36,10 @@ pub struct Content {
     pub binaries: Vec<(Platform, Vec<u8>)>,
     /// Licences of it and of what it links.
     pub licences: Licences,
-    /// `terminalsAndIcons.xml`, which FMI 2.0 does not have.
-    pub terminals: Vec<u8>,
+    /// Files of `terminalsAndIcons/`, which FMI 2.0 does not have, by name.
+    pub terminals: Vec<(String, Vec<u8>)>,
+    /// Reference results, by path.
+    pub reference: reference::Files,
     /// `documentation/index.html`.
     pub page: String,
     /// The icon, 200 × 200.
@@ -57,8 +60,9 @@ impl Content {
             }
             Version::Fmi3 => {
                 fmu.add("modelDescription.xml", fmi3::write(&self.description));
-                let terminals = self.terminals.clone();
-                fmu.add("terminalsAndIcons/terminalsAndIcons.xml", terminals);
+                for (file, content) in &self.terminals {
+                    fmu.add(format!("terminalsAndIcons/{file}"), content.clone());
+                }
                 fmu.add("terminalsAndIcons/icon.png", self.icon_png.clone());
                 fmu.add("terminalsAndIcons/icon.svg", self.icon_svg.clone());
             }
@@ -72,6 +76,9 @@ impl Content {
             fmu.add(path, binary.clone());
         }
         fmu.add("documentation/index.html", self.page.clone());
+        for (path, content) in &self.reference {
+            fmu.add(path, content.as_str());
+        }
         self.licences.add_to(&mut fmu);
         fmu
     }

@@ -7,7 +7,7 @@ use crate::licences::{Licences, Runtime};
 use crate::platform::Platform;
 use crate::toolchain::Toolchain;
 use crate::workspace::{Workspace, announce};
-use crate::{cargo, imports, modelica, page, parameters, plot, ssp};
+use crate::{cargo, imports, modelica, page, parameters, plot, reference, ssp};
 use model_description::ModelDescription;
 use std::fs;
 
@@ -35,9 +35,6 @@ const UNITS: [Unit; 2] = [
         art: "controller",
     },
 ];
-
-/// Terminals of both units in FMI 3.0.
-const TERMINALS: &str = "modelDescription/terminalsAndIcons.xml";
 
 /// The platforms that an FMU is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,10 +64,16 @@ pub fn run(workspace: &Workspace, platforms: Platforms) -> Result<(), String> {
         write(workspace, content)?;
     }
 
-    announce("Running the packaged units for the plot in their documentation");
+    announce(
+        "Running the packaged units for the plot in their documentation and for their reference results",
+    );
     let plot = plot::of_a_run(workspace, host.as_os_str())?;
+    let reference = reference::of_a_run(workspace, host.as_os_str())?;
     for (unit, content) in UNITS.iter().zip(&mut contents) {
         content.page = page::write(workspace, &content.description, unit.art, &plot)?;
+        let name = &content.description.name;
+        let files = reference.iter().filter(|(unit, _)| unit == name);
+        content.reference = files.flat_map(|(_, files)| files.clone()).collect();
         for path in write(workspace, content)? {
             eprintln!("{path}");
         }
@@ -146,7 +149,8 @@ fn contents(
         contents.push(Content {
             binaries,
             licences: Licences::collect(workspace, triples, unit.package, runtime)?,
-            terminals: workspace.read_bytes(TERMINALS)?,
+            terminals: terminals(workspace, unit.art)?,
+            reference: Vec::new(),
             page: page::write(workspace, &description, unit.art, "")?,
             icon_png: art("png")?,
             icon_svg: art("svg")?,
@@ -154,6 +158,23 @@ fn contents(
         });
     }
     Ok(contents)
+}
+
+/// Terminals of a unit and their icons, by their names in the FMU.
+fn terminals(workspace: &Workspace, unit: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let file = format!("modelDescription/{unit}.terminalsAndIcons.xml");
+    let mut files = vec![(
+        "terminalsAndIcons.xml".to_owned(),
+        workspace.read_bytes(&file)?,
+    )];
+    for icon in ["drive", "flange", "sensor"] {
+        for kind in ["png", "svg"] {
+            let name = format!("{icon}.{kind}");
+            let bytes = workspace.read_bytes(&format!("packaging/assets/{name}"))?;
+            files.push((name, bytes));
+        }
+    }
+    Ok(files)
 }
 
 /// Writes the FMU of each version; returns their paths in the project.

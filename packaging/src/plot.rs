@@ -1,7 +1,6 @@
 //! The plot of a run of the packaged pair, as SVG for the documentation.
 
-use crate::archive::write_whole;
-use crate::demo::SETPOINTS;
+use crate::run;
 use crate::workspace::Workspace;
 use plotters::prelude::*;
 use std::ffi::OsStr;
@@ -87,58 +86,9 @@ const REFERENCE: &str = "controller.reference.angle";
 
 /// Runs the packaged FMUs of FMI 3.0 with the host and draws what they did.
 pub fn of_a_run(workspace: &Workspace, host: &OsStr) -> Result<String, String> {
-    let folder = tempfile::tempdir().map_err(|e| format!("temporary folder: {e}"))?;
-    let out = folder.path().join("run");
-    let setpoints = folder.path().join("setpoints.csv");
-    let rows: Vec<_> = workspace
-        .read(SETPOINTS)?
-        .lines()
-        .take(1 + MOVES)
-        .map(str::to_owned)
-        .collect();
-    write_whole(&setpoints, rows.join("\n").as_bytes())?;
-    let mut command = workspace.command(host);
-    command.args([
-        "simulate",
-        "--controller",
-        "dist/fmi3/FlexArmController.fmu",
-    ]);
-    command.args([
-        "--plant",
-        "dist/fmi3/FlexArmPlant.fmu",
-        "--until",
-        UNTIL,
-        "--record",
-        EVERY,
-    ]);
-    command
-        .arg("--setpoints")
-        .arg(&setpoints)
-        .arg("-o")
-        .arg(&out);
-    // Where its report was does not matter to anyone; why it failed does.
-    let run = command.output().map_err(|e| format!("flexarm: {e}"))?;
-    if !run.status.success() {
-        let reason = String::from_utf8_lossy(&run.stderr);
-        return Err(format!("running the packaged units: {}", reason.trim_end()));
-    }
-    let file = out.join("results.csv");
-    let error = |e| format!("{}: {e}", file.display());
-    let mut table = csv::Reader::from_path(&file).map_err(error)?;
-    let header = table.headers().map_err(error)?.clone();
-    let rows: Vec<Vec<f64>> = table
-        .deserialize()
-        .collect::<Result<_, _>>()
-        .map_err(error)?;
-    let column = |name: &str| -> Result<Vec<f64>, String> {
-        let index = header.iter().position(|h| h == name);
-        let index = index.ok_or_else(|| format!("{}: no column {name}", file.display()))?;
-        Ok(rows
-            .iter()
-            .filter_map(|row| row.get(index).copied())
-            .collect())
-    };
-    draw(&column)
+    let arguments = ["--until", UNTIL, "--record", EVERY];
+    let results = run::pair(workspace, host, MOVES, &arguments)?;
+    draw(&|name| results.column(name))
 }
 
 /// Draws all panels over time.

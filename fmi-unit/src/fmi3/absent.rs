@@ -29,8 +29,6 @@ absent! {
     fmi3GetVariableDependencies(
         dependent: fmi3ValueReference, element_indices_of_dependent: *mut usize, independents: *mut fmi3ValueReference, element_indices_of_independents: *mut usize, dependency_kinds: *mut fmi3DependencyKind, n_dependencies: usize
     ): true, "the inquiry of dependencies";
-    fmi3EnterConfigurationMode(): true, "Configuration Mode";
-    fmi3ExitConfigurationMode(): true, "Configuration Mode";
     fmi3GetIntervalFraction(
         references: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier
     ): n > 0, "an interval as a fraction, or a shift,";

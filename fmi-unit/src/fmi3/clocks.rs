@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use crate::clock::locate;
 use crate::guard::{Status, call, enter, enter_when_idle, uninterrupted};
-use crate::legality::{ALWAYS, fmi3 as table};
+use crate::legality::{ALWAYS, Mode, fmi3 as table};
 use crate::pointer::{slice, slice_mut};
 use crate::unit::{Failure, Unit};
 
@@ -54,17 +54,23 @@ pub unsafe fn fmi3GetIntervalDecimal<U: Unit>(
             let references = slice(references, n, "value references")?;
             let intervals = slice_mut(intervals, n, "intervals")?;
             let qualifiers = slice_mut(qualifiers, n, "qualifiers")?;
+            // Told once, it cannot change any more (sec 2.2.8.5).
+            let known = match i.now.mode {
+                Mode::Initialization => fmi3IntervalChanged,
+                _ => fmi3IntervalUnchanged,
+            };
             for ((&reference, interval), qualifier) in
                 references.iter().zip(intervals).zip(qualifiers)
             {
                 *interval = i.interval(reference)?;
-                *qualifier = fmi3IntervalChanged;
+                *qualifier = known;
             }
             Ok(())
         })
     }
 }
 
+/// Sets the parameter that the interval follows from, for importers that would rather set a clock (FMI 3.0.0).
 pub unsafe fn fmi3SetIntervalDecimal<U: Unit>(
     instance: fmi3Instance,
     references: *const fmi3ValueReference,

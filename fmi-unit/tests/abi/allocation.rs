@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use crate::session::{BOTH, Kind, OK, Session};
+use crate::session::{BOTH, Kind, OK, Session, Version};
 use crate::toy::*;
 
 struct Counting;
@@ -61,6 +61,28 @@ fn a_sample_allocates_nothing() {
         });
         assert_eq!(allocations, 0);
     }
+}
+
+/// Whatever size arrays were given before; saving into a state that exists included.
+#[test]
+fn arrays_allocate_when_they_are_sized_only() {
+    let s = Session::new(Version::Fmi3, Kind::CoSimulation);
+    assert_eq!(s.set_debug_logging(true, &["logStatusError"]), OK);
+    s.configure(SIZE, 500);
+    s.initialize(0.0, None);
+    let (mut state, mut ramp) = (std::ptr::null_mut(), vec![0.0; 500]);
+    assert_eq!(s.save(&mut state), OK);
+    let allocations = count(|| {
+        for k in 0..100 {
+            assert_eq!(s.set(U, f64::from(k)), OK);
+            assert_eq!(s.do_step(f64::from(k) * 0.1, 0.1), OK);
+            assert_eq!(s.get_reals(&[RAMP], &mut ramp), OK);
+            assert_eq!(s.save(&mut state), OK);
+            assert_eq!(s.restore(state), OK);
+        }
+    });
+    assert_eq!((allocations, ramp[499]), (0, 99.0));
+    assert_eq!(s.free_state(&mut state), OK);
 }
 
 #[test]

@@ -130,14 +130,18 @@ fn modes_of_the_other_interfaces_are_refused() {
     s.assert_error(&["fmi3ActivateModelPartition", "not allowed in Event Mode"]);
 }
 
+/// `fmi3IntervalChanged` in Initialization Mode, `fmi3IntervalUnchanged` ever after (FMI 3.0 sec 2.2.8.5).
+const CHANGED: i32 = 2;
+const UNCHANGED: i32 = 1;
+
 #[test]
 fn intervals_follow_from_parameters() {
     let s = Session::new(Version::Fmi3, Kind::CoSimulation);
     assert_eq!(s.interval(FAST), Err(ERROR));
     assert_eq!(s.set(PERIOD, 0.02), OK);
     assert_eq!(s.enter_initialization(0.0, None), OK);
-    assert_eq!(s.interval(FAST), Ok([0.02, 0.0]));
-    assert_eq!(s.interval(SLOW), Ok([0.2, 0.0]));
+    assert_eq!(s.interval(FAST), Ok((0.02, 0.0, CHANGED)));
+    assert_eq!(s.interval(SLOW), Ok((0.2, 0.0, CHANGED)));
     assert_eq!(s.interval(X), Err(ERROR));
     s.assert_error(&["value reference 2 is no clock"]);
     // The other way round, within the range of the parameter.
@@ -145,9 +149,13 @@ fn intervals_follow_from_parameters() {
     assert_eq!(s.get(PERIOD), 0.5);
     assert_eq!(s.set_interval(FAST, -1.0), ERROR);
     s.assert_error(&["period = -1 s is outside [1e-6, 1e6] s"]);
-    assert_eq!((s.get(PERIOD), s.interval(FAST)), (0.5, Ok([0.5, 0.0])));
+    assert_eq!(
+        (s.get(PERIOD), s.interval(FAST)),
+        (0.5, Ok((0.5, 0.0, CHANGED)))
+    );
     assert_eq!(s.exit_initialization(), OK);
     assert_eq!(s.set_interval(FAST, 0.1), ERROR);
+    assert_eq!(s.interval(FAST), Ok((0.5, 0.0, UNCHANGED)));
 }
 
 /// From its first tick on the importer alone makes events.

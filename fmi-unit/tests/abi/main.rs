@@ -7,6 +7,7 @@
 mod allocation;
 mod binary;
 mod clocks;
+mod configuration;
 mod exchange;
 mod importer;
 mod legality;

@@ -134,20 +134,20 @@ impl Session {
         }
     }
 
-    /// Interval and shift of a clock.
-    pub fn interval(&self, clock: u32) -> Result<[f64; 2], c_int> {
-        let (clock, mut out, mut qualifier) = (&raw const clock, [f64::NAN; 2], 7);
-        let [interval, shift] = &mut out;
-        let (h, q) = (self.handle, &raw mut qualifier);
-        match unsafe { fmi3::fmi3GetIntervalDecimal::<Toy>(h, clock, 1, interval, q) } {
-            OK => assert_eq!(qualifier, 2),
+    /// Interval, shift and qualifier of a clock.
+    pub fn interval(&self, clock: u32) -> Result<(f64, f64, c_int), c_int> {
+        let (clock, mut interval, mut shift) = (&raw const clock, f64::NAN, f64::NAN);
+        let (h, mut qualifier) = (self.handle, 7);
+        let q = &raw mut qualifier;
+        match unsafe { fmi3::fmi3GetIntervalDecimal::<Toy>(h, clock, 1, &mut interval, q) } {
+            OK => {}
             status => return Err(status),
         }
         assert_eq!(
-            unsafe { fmi3::fmi3GetShiftDecimal::<Toy>(h, clock, 1, shift) },
+            unsafe { fmi3::fmi3GetShiftDecimal::<Toy>(h, clock, 1, &mut shift) },
             OK
         );
-        Ok(out)
+        Ok((interval, shift, qualifier))
     }
 
     pub fn set_interval(&self, clock: u32, interval: f64) -> c_int {
@@ -207,6 +207,36 @@ impl Session {
             fmi2SetInteger(&vr, 1, &i32::try_from(value).unwrap()),
             fmi3SetInt64(&vr, 1, &value, 1)
         )
+    }
+
+    /// `fmi3EnterConfigurationMode`.
+    pub fn enter_configuration(&self) -> c_int {
+        unsafe { fmi3::fmi3EnterConfigurationMode::<Toy>(self.handle) }
+    }
+
+    /// `fmi3ExitConfigurationMode`.
+    pub fn exit_configuration(&self) -> c_int {
+        unsafe { fmi3::fmi3ExitConfigurationMode::<Toy>(self.handle) }
+    }
+
+    /// Configuration Mode with one value in it.
+    pub fn configure(&self, vr: u32, value: u64) {
+        assert_eq!(self.enter_configuration(), OK, "{:?}", self.messages);
+        assert_eq!(self.set_size(vr, value), OK, "{:?}", self.messages);
+        assert_eq!(self.exit_configuration(), OK, "{:?}", self.messages);
+    }
+
+    /// `fmi3SetUInt64`.
+    pub fn set_size(&self, vr: u32, value: u64) -> c_int {
+        unsafe { fmi3::fmi3SetUInt64::<Toy>(self.handle, &vr, 1, &value, 1) }
+    }
+
+    /// `fmi3GetUInt64`.
+    pub fn get_size(&self, vr: u32) -> u64 {
+        let mut value = u64::MAX;
+        let status = unsafe { fmi3::fmi3GetUInt64::<Toy>(self.handle, &vr, 1, &mut value, 1) };
+        assert_eq!(status, OK, "{:?}", self.messages);
+        value
     }
 
     pub fn set_boolean(&self, vr: u32, value: u8) -> c_int {

@@ -210,7 +210,7 @@ fn hostile_bytes_are_refused() {
     assert_eq!(s.free_state(&mut state), OK);
 }
 
-fn signed(mut content: Vec<u8>) -> Vec<u8> {
+pub fn signed(mut content: Vec<u8>) -> Vec<u8> {
     let check = content.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, &b| {
         (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
     });
@@ -227,15 +227,16 @@ fn inconsistent_states_are_refused() {
     let bytes = s.serialize(state);
     // After the format, the token with its length and the interface: the mode, which is Step.
     let mode = 1 + 1 + "{toy}".len() + 1;
-    assert_eq!(bytes[mode], 2);
+    assert_eq!(bytes[mode], 3);
     for (value, expected) in [
         (0, ERROR),
         (1, ERROR),
-        (2, OK),
-        (3, ERROR),
-        (5, ERROR),
+        (2, ERROR),
+        (3, OK),
+        (4, ERROR),
         (6, ERROR),
-        (8, ERROR),
+        (7, ERROR),
+        (9, ERROR),
     ] {
         let mut content = bytes[..bytes.len() - 8].to_vec();
         content[mode] = value;
@@ -280,9 +281,9 @@ fn states_of_other_formats_models_or_ranges_are_named() {
     let mut read = null_mut();
 
     let mut other = content.clone();
-    other[0] = 2;
+    other[0] = 3;
     assert_eq!(s.deserialize(&signed(other), &mut read), ERROR);
-    s.assert_error(&["format 2"]);
+    s.assert_error(&["format 3"]);
 
     let mut other = content.clone();
     other[2] = b'<';

@@ -1,8 +1,8 @@
 //! The unit under test: a lag x' = (u − x)/τ whose input is sampled by a clock, with ways to fail.
 
 use fmi_unit::{
-    Causality, Clock, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values, ValuesMut,
-    Variability, Variable, Variables,
+    Causality, Clock, Dimension, Failure, Kind, Log, Model, Severity, Ticks, Unit, Values,
+    ValuesMut, Variability, Variable, Variables,
 };
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -16,6 +16,9 @@ pub const SAMPLED: u32 = 5;
 pub const HOLD: u32 = 6;
 pub const BEHAVIOUR: u32 = 7;
 pub const GAIN: u32 = 10;
+pub const SIZE: u32 = 14;
+pub const WEIGHT: u32 = 15;
+pub const RAMP: u32 = 17;
 pub const PERIOD: u32 = 20;
 pub const TAU: u32 = 21;
 pub const SEED: u32 = 22;
@@ -39,7 +42,7 @@ pub const PANIC_IN_OUTPUTS: i64 = 6;
 pub const PANIC_IN_DROP: i64 = 7;
 pub const FAIL_IN_ADVANCE: i64 = 8;
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToyVariables {
     pub u: f64,
     pub x: f64,
@@ -51,6 +54,11 @@ pub struct ToyVariables {
     pub behaviour: i64,
     /// Jump of x at an event; threshold of x for a step event; unused.
     pub gain: [f64; 3],
+    /// Structural parameter: elements of `weight` and `ramp`.
+    pub size: u64,
+    pub weight: Vec<f64>,
+    /// Output: u times each weight.
+    pub ramp: Vec<f64>,
     pub period: f64,
     pub tau: f64,
     pub seed: i32,
@@ -70,6 +78,9 @@ impl Default for ToyVariables {
             hold: false,
             behaviour: NORMAL,
             gain: [0.0; 3],
+            size: 2,
+            weight: vec![1.0; 2],
+            ramp: vec![0.0; 2],
             period: 0.1,
             tau: 1.0,
             seed: 1,
@@ -79,11 +90,33 @@ impl Default for ToyVariables {
     }
 }
 
+impl Clone for ToyVariables {
+    fn clone(&self) -> Self {
+        let (weight, ramp) = (self.weight.clone(), self.ramp.clone());
+        Self {
+            weight,
+            ramp,
+            ..*self
+        }
+    }
+
+    /// Without allocation where the sizes agree.
+    fn clone_from(&mut self, source: &Self) {
+        let [mut weight, mut ramp] = [&mut self.weight, &mut self.ramp].map(std::mem::take);
+        weight.clone_from(&source.weight);
+        ramp.clone_from(&source.ramp);
+        *self = Self {
+            weight,
+            ramp,
+            ..*source
+        };
+    }
+}
+
 const REAL: Variable = Variable {
     name: "",
     value_reference: 0,
-    length: 1,
-    is_array: false,
+    dimension: None,
     kind: Kind::Float64,
     causality: Causality::Parameter,
     variability: Variability::Fixed,
@@ -92,6 +125,12 @@ const REAL: Variable = Variable {
     unit: "s",
     items: &[],
 };
+
+/// The size of arrays that follow `size`.
+const SIZED: Option<Dimension> = Some(Dimension {
+    size: 2,
+    parameter: Some(SIZE),
+});
 
 const fn real(name: &'static str, value_reference: u32, causality: Causality) -> Variable {
     Variable {
@@ -103,11 +142,10 @@ const fn real(name: &'static str, value_reference: u32, causality: Causality) ->
     }
 }
 
-const fn clock(name: &'static str, value_reference: u32, interval: f64) -> Clock {
+const fn clock(name: &'static str, value_reference: u32) -> Clock {
     Clock {
         name,
         value_reference,
-        interval,
     }
 }
 
@@ -148,12 +186,36 @@ static MODEL: Model = Model {
         Variable {
             name: "gain",
             value_reference: GAIN,
-            length: 3,
-            is_array: true,
+            dimension: Some(Dimension {
+                size: 3,
+                parameter: None,
+            }),
             min: 0.0,
             max: 10.0,
             unit: "N.m",
             ..REAL
+        },
+        Variable {
+            name: "size",
+            value_reference: SIZE,
+            kind: Kind::UInt64,
+            causality: Causality::StructuralParameter,
+            min: 1.0,
+            max: 1000.0,
+            unit: "",
+            ..REAL
+        },
+        Variable {
+            name: "weight",
+            value_reference: WEIGHT,
+            dimension: SIZED,
+            min: 0.0,
+            max: 10.0,
+            ..REAL
+        },
+        Variable {
+            dimension: SIZED,
+            ..real("ramp", RAMP, Causality::Output)
         },
         Variable {
             name: "period",
@@ -188,7 +250,7 @@ static MODEL: Model = Model {
     states: &[X],
     derivatives: &[3],
     event_indicators: &[TWICE],
-    clocks: &[clock("fast", FAST, 0.1), clock("slow", SLOW, 1.0)],
+    clocks: &[clock("fast", FAST), clock("slow", SLOW)],
     event_mode: true,
     scheduled_execution: true,
     model_exchange: true,
@@ -214,6 +276,9 @@ impl Variables for ToyVariables {
             HOLD => Values::Boolean(from_ref(&self.hold)),
             BEHAVIOUR => Values::Enumeration(from_ref(&self.behaviour)),
             GAIN => Values::Float64(&self.gain),
+            SIZE => Values::UInt64(from_ref(&self.size)),
+            WEIGHT => Values::Float64(&self.weight),
+            RAMP => Values::Float64(&self.ramp),
             PERIOD => Values::Float64(from_ref(&self.period)),
             TAU => Values::Float64(from_ref(&self.tau)),
             SEED => Values::Int32(from_ref(&self.seed)),
@@ -233,6 +298,9 @@ impl Variables for ToyVariables {
             HOLD => ValuesMut::Boolean(from_mut(&mut self.hold)),
             BEHAVIOUR => ValuesMut::Enumeration(from_mut(&mut self.behaviour)),
             GAIN => ValuesMut::Float64(&mut self.gain),
+            SIZE => ValuesMut::UInt64(from_mut(&mut self.size)),
+            WEIGHT => ValuesMut::Float64(&mut self.weight),
+            RAMP => ValuesMut::Float64(&mut self.ramp),
             PERIOD => ValuesMut::Float64(from_mut(&mut self.period)),
             TAU => ValuesMut::Float64(from_mut(&mut self.tau)),
             SEED => ValuesMut::Int32(from_mut(&mut self.seed)),
@@ -240,6 +308,18 @@ impl Variables for ToyVariables {
             TWICE => ValuesMut::Float64(from_mut(&mut self.twice)),
             _ => return None,
         })
+    }
+
+    fn resize(&mut self) {
+        self.weight.resize(self.size as usize, 1.0);
+        self.ramp.resize(self.size as usize, 0.0);
+    }
+}
+
+/// u times each weight.
+fn ramp(u: f64, weight: &[f64], ramp: &mut [f64]) {
+    for (value, weight) in ramp.iter_mut().zip(weight) {
+        *value = u * weight;
     }
 }
 
@@ -283,6 +363,7 @@ impl Unit for Toy {
         v.x = v.bias;
         v.der_x = (v.u - v.bias) / v.tau;
         v.twice = 2.0 * v.u;
+        ramp(v.u, &v.weight, &mut v.ramp);
     }
 
     fn new(v: &mut ToyVariables, start: f64) -> Result<Self, Vec<Failure>> {
@@ -444,6 +525,7 @@ impl Unit for Toy {
         v.samples = self.state.samples;
         v.sampled = self.state.sampled;
         v.twice = 2.0 * v.u;
+        ramp(v.u, &v.weight, &mut v.ramp);
     }
 
     fn continuous_states(&self, states: &mut [f64]) {
@@ -458,10 +540,11 @@ impl Unit for Toy {
         derivatives[0] = self.derivative(v.u);
     }
 
-    fn tangent(&self, _: &ToyVariables, direction: &ToyVariables, tangent: &mut ToyVariables) {
+    fn tangent(&self, v: &ToyVariables, direction: &ToyVariables, tangent: &mut ToyVariables) {
         tangent.x = direction.x;
         tangent.der_x = (direction.u - direction.x) / self.tau;
         tangent.twice = 2.0 * direction.u;
+        ramp(direction.u, &v.weight, &mut tangent.ramp);
     }
 
     fn completed_step(&mut self, _: &ToyVariables, _: f64) -> bool {

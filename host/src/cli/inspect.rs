@@ -31,13 +31,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
     // Formatting to a String cannot fail.
     let mut text = format!("{}\n{}\n\n", facts(&fmu).trim_fmt(), counts(description));
     let mut groups = vec![
+        ("Structural parameters", Causality::StructuralParameter),
         ("Parameters", Causality::Parameter),
         ("Inputs", Causality::Input),
         ("Outputs", Causality::Output),
     ];
     if arguments.all {
         groups.extend([
-            ("Structural parameters", Causality::StructuralParameter),
             ("Calculated parameters", Causality::CalculatedParameter),
             ("Local variables", Causality::Local),
             ("Independent variable", Causality::Independent),
@@ -50,7 +50,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
             .filter(|v| v.causality == causality)
             .peekable();
         if variables.peek().is_some() {
-            let _ = write!(text, "{title}\n{}\n\n", table(variables).trim_fmt());
+            let _ = write!(
+                text,
+                "{title}\n{}\n\n",
+                table(description, variables).trim_fmt()
+            );
         }
     }
     if !description.problems.is_empty() {
@@ -141,11 +145,12 @@ fn counts(description: &Description) -> String {
     )
 }
 
-fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
+fn table<'a>(d: &Description, variables: impl Iterator<Item = &'a Variable>) -> Table {
     let mut table = plain_table();
     table.set_header(["name", "type", "unit", "start", "range", "description"]);
     for v in variables {
-        let size: String = v.dimensions.iter().map(|n| format!("[{n}]")).collect();
+        let sizes = v.dimensions.iter().zip(&v.sized_by);
+        let size: String = sizes.map(|(n, by)| dimension(d, *n, *by)).collect();
         let mut start = v.start.join(" ");
         let mut range = match (v.min, v.max) {
             (None, None) => String::new(),
@@ -170,6 +175,15 @@ fn table<'a>(variables: impl Iterator<Item = &'a Variable>) -> Table {
         ]);
     }
     table
+}
+
+/// A dimension: its structural parameter, or else the number of elements.
+fn dimension(d: &Description, size: usize, by: Option<u32>) -> String {
+    let mut variables = d.variables.iter();
+    match by.and_then(|by| variables.find(|v| v.reference == by)) {
+        Some(parameter) => format!("[{}]", parameter.name),
+        None => format!("[{size}]"),
+    }
 }
 
 fn plain_table() -> Table {

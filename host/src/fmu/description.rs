@@ -83,6 +83,8 @@ pub struct Variable {
     pub start: Vec<String>,
     /// Size of each dimension; empty for a scalar.
     pub dimensions: Vec<usize>,
+    /// Value reference of the structural parameter that each dimension follows; none for one that is fixed.
+    pub sized_by: Vec<Option<u32>>,
     /// Description.
     pub description: String,
     /// Items of an enumeration.
@@ -278,6 +280,25 @@ impl Description {
         self.variable(scalar).start_of(scalar.element)
     }
 
+    /// The same with the sizes of arrays that follow from `values` of structural parameters.
+    pub(super) fn resized(&self, values: &[(Scalar, Value)]) -> Self {
+        let mut resized = self.clone();
+        for (scalar, value) in values {
+            let parameter = self.variable(*scalar).reference;
+            let Value::Integer(number) = value else {
+                continue;
+            };
+            for variable in &mut resized.variables {
+                for (size, by) in variable.dimensions.iter_mut().zip(&variable.sized_by) {
+                    if *by == Some(parameter) {
+                        *size = usize::try_from(*number).unwrap_or(usize::MAX);
+                    }
+                }
+            }
+        }
+        resized
+    }
+
     /// All scalar variables of numeric type with the given causality. Arrays are left out.
     pub fn numeric_scalars(&self, causality: Causality) -> impl Iterator<Item = Scalar> {
         self.variables
@@ -350,6 +371,7 @@ pub(crate) mod tests {
             max: None,
             start: Vec::new(),
             dimensions: Vec::new(),
+            sized_by: Vec::new(),
             description: String::new(),
             items: Vec::new(),
         }
@@ -381,6 +403,19 @@ pub(crate) mod tests {
             };
             assert_eq!(d.scalar(&d.name_of(scalar)), Ok(scalar));
         }
+    }
+
+    #[test]
+    fn arrays_follow_their_structural_parameter() {
+        let mut points = variable("points", Causality::StructuralParameter);
+        (points.kind, points.reference) = (Kind::UInt64, 9);
+        let mut array = variable("a", Causality::Output);
+        (array.dimensions, array.sized_by) = (vec![2, 3], vec![None, Some(9)]);
+        let d = description(vec![points, array]);
+        let points = d.scalar("points").unwrap();
+        let resized = d.resized(&[(points, Value::Integer(5))]);
+        assert_eq!(resized.variables[1].dimensions, [2, 5]);
+        assert!(resized.scalar("a[2,5]").is_ok() && d.scalar("a[2,5]").is_err());
     }
 
     #[test]

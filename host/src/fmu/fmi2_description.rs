@@ -174,6 +174,7 @@ fn variable(v: &fmi2::ScalarVariable, types: &HashMap<String, DeclaredType>) -> 
         max: max.or(from_type.max),
         start: v.variableType.start().iter().cloned().collect(),
         dimensions: Vec::new(),
+        sized_by: Vec::new(),
         description: v.description.clone().unwrap_or_default(),
         items: from_type.items.clone(),
     }

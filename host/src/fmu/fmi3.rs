@@ -21,6 +21,8 @@ function_table! { Functions:
     fmi3DoStep: fmi3DoStepTYPE,
     } optional {
     fmi3SetDebugLogging: fmi3SetDebugLoggingTYPE,
+    fmi3EnterConfigurationMode: fmi3EnterConfigurationModeTYPE,
+    fmi3ExitConfigurationMode: fmi3ExitConfigurationModeTYPE,
     fmi3GetFloat32: fmi3GetFloat32TYPE,
     fmi3GetInt8: fmi3GetInt8TYPE,
     fmi3GetUInt8: fmi3GetUInt8TYPE,
@@ -99,6 +101,14 @@ impl Interface for Instance {
     fn log_only(&mut self, categories: &[CString]) -> Result<(), Failed> {
         let pointers: Vec<_> = categories.iter().map(|c| c.as_ptr()).collect();
         call!(self.fmi3SetDebugLogging(fmi3True, pointers.len(), pointers.as_ptr()))
+    }
+
+    fn enter_configuration(&mut self) -> Result<(), Failed> {
+        call!(self.fmi3EnterConfigurationMode())
+    }
+
+    fn exit_configuration(&mut self) -> Result<(), Failed> {
+        call!(self.fmi3ExitConfigurationMode())
     }
 
     fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Failed> {

@@ -136,7 +136,6 @@ fn variable(
         causality,
         constant: constant || v.variability == fmi3::Variability::Fixed,
         settable: !constant
-            && causality != Causality::StructuralParameter
             && (causality == Causality::Input
                 || matches!(
                     v.initial,
@@ -147,9 +146,18 @@ fn variable(
         max: own.max.or(max),
         start: v.variableType.start().unwrap_or_default(),
         dimensions: model.initial_size(v)?,
+        sized_by: v.dimensions.iter().map(parameter).collect(),
         description: v.description.clone().unwrap_or_default(),
         items,
     })
+}
+
+/// The structural parameter that a dimension follows.
+fn parameter(dimension: &fmi3::Dimension) -> Option<u32> {
+    match dimension {
+        fmi3::Dimension::Fixed { .. } => None,
+        fmi3::Dimension::Variable { valueReference } => Some(*valueReference),
+    }
 }
 
 #[cfg(test)]
@@ -192,5 +200,15 @@ mod tests {
             (Some(-1e6), Some("N.m"))
         );
         assert!(!find("torque").settable);
+        let points = find("nmpc.plan.points");
+        assert_eq!(
+            (points.kind, points.causality, points.settable),
+            (Kind::UInt64, Causality::StructuralParameter, true)
+        );
+        let plan = find("nmpc.plan.angle");
+        assert_eq!(
+            (&plan.dimensions[..], &plan.sized_by[..]),
+            (&[41][..], &[Some(points.reference)][..])
+        );
     }
 }

@@ -87,7 +87,7 @@ impl Instance {
         &mut self,
         function: impl FnOnce(&mut dyn Interface) -> Result<T, Failed>,
     ) -> Result<T, Error> {
-        if self.fmu.0.fatal.load(Ordering::Relaxed) {
+        if self.fmu.unpacked.fatal.load(Ordering::Relaxed) {
             return Err(self.after_fatal());
         }
         match &mut self.interface {
@@ -109,7 +109,7 @@ impl Instance {
         match failed {
             Failed::Status(function, status) => {
                 if status == Status::Fatal {
-                    self.fmu.0.fatal.store(true, Ordering::Relaxed);
+                    self.fmu.unpacked.fatal.store(true, Ordering::Relaxed);
                 }
                 // Discard leaves the instance as it was.
                 self.failed |= status != Status::Discard;
@@ -146,8 +146,27 @@ impl Instance {
         }
     }
 
+    /// Gives structural parameters the values of [`Fmu::configured`], before anything else is set.
+    pub(super) fn configure(&mut self) -> Result<(), Error> {
+        let structure = Arc::clone(&self.fmu.structure);
+        if structure.is_empty() {
+            return Ok(());
+        }
+        self.call(|i| i.enter_configuration())?;
+        self.write(&structure)?;
+        self.call(|i| i.exit_configuration())
+    }
+
     /// Sets values before initialisation: parameters, start values. They were parsed for their variables.
+    /// Structural parameters have theirs from [`Fmu::configured`] already.
     pub fn set_start_values(&mut self, values: &[(Scalar, Value)]) -> Result<(), Error> {
+        let structure = Arc::clone(&self.fmu.structure);
+        let mut values = values.to_vec();
+        values.retain(|value| !structure.contains(value));
+        self.write(&values)
+    }
+
+    fn write(&mut self, values: &[(Scalar, Value)]) -> Result<(), Error> {
         let scalars: Vec<_> = values.iter().map(|(scalar, _)| *scalar).collect();
         let mut signals = Signals::new(self.description(), &scalars);
         signals.write_values(self, values)?;
@@ -229,7 +248,8 @@ impl Instance {
         self.time = None;
         self.set_up = false;
         self.failed = false;
-        Ok(())
+        // All variables have their start values again (FMI 3.0 sec 2.3.1).
+        self.configure()
     }
 
     /// Saves the state.
@@ -281,7 +301,7 @@ impl Drop for Instance {
         let Some(mut interface) = self.interface.take() else {
             return;
         };
-        if self.fmu.0.fatal.load(Ordering::Relaxed) {
+        if self.fmu.unpacked.fatal.load(Ordering::Relaxed) {
             interface.abandon();
             // Unloading would run code of the binary too.
             std::mem::forget(Arc::clone(&self.binary));

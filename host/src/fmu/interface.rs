@@ -25,6 +25,14 @@ pub struct Experiment {
 pub(super) trait Interface {
     /// Asks for the messages of these categories only.
     fn log_only(&mut self, categories: &[CString]) -> Result<(), Failed>;
+    /// Enters Configuration Mode, which FMI 2.0 does not have.
+    fn enter_configuration(&mut self) -> Result<(), Failed> {
+        Err(Failed::Missing("fmi3EnterConfigurationMode"))
+    }
+    /// Leaves Configuration Mode: arrays have their new sizes.
+    fn exit_configuration(&mut self) -> Result<(), Failed> {
+        Err(Failed::Missing("fmi3ExitConfigurationMode"))
+    }
     /// Sets the experiment up and enters Initialization Mode.
     fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Failed>;
     /// Leaves Initialization Mode: steps may follow.

@@ -82,12 +82,17 @@ const WARNINGS: [&CStr; 4] = [
 ///
 /// The unpacked folder lives as long as the FMU and all its instances, and is removed with the last of them.
 #[derive(Clone, Debug)]
-pub struct Fmu(Arc<Unpacked>);
+pub struct Fmu {
+    unpacked: Arc<Unpacked>,
+    /// With the array sizes that follow from `structure`.
+    description: Arc<Description>,
+    /// Values of structural parameters, which each instance gets in Configuration Mode.
+    structure: Arc<[(Scalar, Value)]>,
+}
 
 #[derive(Debug)]
 struct Unpacked {
     file: PathBuf,
-    description: Description,
     binary: Mutex<Option<Arc<Binary>>>,
     /// Set when an instance returned Fatal.
     fatal: AtomicBool,
@@ -137,28 +142,51 @@ impl Fmu {
         // FMUs may rely on their resources folder even if it is empty.
         fs::create_dir_all(folder.path().join("resources")).map_err(Error::TemporaryFolder)?;
         let description = describe(file, &folder.path().join("modelDescription.xml"))?;
-        Ok(Self(Arc::new(Unpacked {
+        let unpacked = Unpacked {
             file: file.to_owned(),
-            description,
             binary: Mutex::new(None),
             fatal: AtomicBool::new(false),
             folder,
-        })))
+        };
+        Ok(Self {
+            unpacked: Arc::new(unpacked),
+            description: Arc::new(description),
+            structure: Arc::default(),
+        })
+    }
+
+    /// The same FMU whose structural parameters have those of `values` that are theirs (FMI 3.0 sec 2.3.3): its
+    /// arrays have the sizes that follow, and its instances are configured before anything else.
+    pub fn configured(&self, values: &[(Scalar, Value)]) -> Result<Self, Error> {
+        let structural = |(scalar, _): &&(Scalar, Value)| {
+            self.description.variable(*scalar).causality == Causality::StructuralParameter
+        };
+        let structure: Vec<_> = values.iter().filter(structural).cloned().collect();
+        if structure.is_empty() {
+            return Ok(self.clone());
+        }
+        let description = self.description.resized(&structure);
+        reader::check_sizes(self.file(), &description)?;
+        Ok(Self {
+            unpacked: Arc::clone(&self.unpacked),
+            description: Arc::new(description),
+            structure: structure.into(),
+        })
     }
 
     /// The file it was opened from.
     pub fn file(&self) -> &Path {
-        &self.0.file
+        &self.unpacked.file
     }
 
     /// What the FMU says of itself.
     pub fn description(&self) -> &Description {
-        &self.0.description
+        &self.description
     }
 
     /// The folder it is unpacked to.
     pub fn folder(&self) -> &Path {
-        self.0.folder.path()
+        self.unpacked.folder.path()
     }
 
     /// Platforms that it has a folder for.
@@ -175,7 +203,7 @@ impl Fmu {
                 file: self.file().to_owned(),
             });
         }
-        if self.0.fatal.load(Ordering::Relaxed) {
+        if self.unpacked.fatal.load(Ordering::Relaxed) {
             return Err(Error::AfterFatal {
                 instance: name.to_owned(),
             });
@@ -191,7 +219,7 @@ impl Fmu {
             match self.ask_for_warnings(made.as_mut()) {
                 Ok(()) => {}
                 Err(Failed::Status(function, status @ Status::Fatal)) => {
-                    self.0.fatal.store(true, Ordering::Relaxed);
+                    self.unpacked.fatal.store(true, Ordering::Relaxed);
                     if let Some(made) = interface {
                         made.abandon();
                     }
@@ -213,13 +241,12 @@ impl Fmu {
             }
         }
         match interface {
-            Some(interface) => Ok(Instance::new(
-                name,
-                self.clone(),
-                binary,
-                environment,
-                interface,
-            )),
+            Some(interface) => {
+                let mut instance =
+                    Instance::new(name, self.clone(), binary, environment, interface);
+                instance.configure()?;
+                Ok(instance)
+            }
             None => Err(Error::Refused {
                 file: self.file().to_owned(),
                 instance: name.to_owned(),
@@ -281,7 +308,11 @@ impl Fmu {
     }
 
     fn binary(&self) -> Result<Arc<Binary>, Error> {
-        let mut slot = self.0.binary.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut slot = self
+            .unpacked
+            .binary
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         if let Some(binary) = &*slot {
             return Ok(Arc::clone(binary));
         }

@@ -64,18 +64,25 @@ pub(crate) fn describe(file: &Path, xml: &Path) -> Result<Description, Error> {
     description.units = structure::units(root);
     description.dependencies =
         structure::dependencies(root, description.version, &description.variables);
+    check_sizes(file, &description)?;
     for (position, variable) in description.variables.iter().enumerate() {
-        if variable.elements().is_none() {
-            return Err(Error::ArraySize {
-                file: file.to_owned(),
-                name: variable.name.clone(),
-                dimensions: variable.dimensions.clone(),
-                limit: MAX_ELEMENTS,
-            });
-        }
         description.index.insert(variable.name.clone(), position);
     }
     Ok(description)
+}
+
+/// Whether no array has more elements than the host works with.
+pub(super) fn check_sizes(file: &Path, description: &Description) -> Result<(), Error> {
+    let mut variables = description.variables.iter();
+    let Some(variable) = variables.find(|v| v.elements().is_none()) else {
+        return Ok(());
+    };
+    Err(Error::ArraySize {
+        file: file.to_owned(),
+        name: variable.name.clone(),
+        dimensions: variable.dimensions.clone(),
+        limit: MAX_ELEMENTS,
+    })
 }
 
 /// Text of an XML file: UTF-8, or else Latin-1, which older tools declare and write.

@@ -1,7 +1,7 @@
 //! Parameter values from SSV files and from single assignments.
 
 use super::{Error, Pair, Place, Side, read_text, with_article};
-use crate::fmu::{Description, NameError, Scalar, Value, similar};
+use crate::fmu::{Causality, Description, NameError, Scalar, Value, similar};
 use model_description::ssv;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -99,12 +99,40 @@ impl StartValues {
         files: &[ParameterFile],
         assignments: &[Assignment],
     ) -> Result<Self, Error> {
+        Self::read_where(pair, files, assignments, |_| true)
+    }
+
+    /// The values of structural parameters alone: elements of arrays have names only when the sizes are known.
+    pub fn structure(
+        pair: Pair<'_>,
+        files: &[ParameterFile],
+        assignments: &[Assignment],
+    ) -> Result<Self, Error> {
+        Self::read_where(pair, files, assignments, |name| {
+            Side::BOTH.iter().any(|&side| {
+                let description = pair.of(side);
+                let bare = name.strip_prefix(&format!("{side}.")).unwrap_or(name);
+                let scalar = [name, bare]
+                    .into_iter()
+                    .find_map(|n| description.scalar(n).ok());
+                let causality = scalar.map(|scalar| description.variable(scalar).causality);
+                causality == Some(Causality::StructuralParameter)
+            })
+        })
+    }
+
+    fn read_where(
+        pair: Pair<'_>,
+        files: &[ParameterFile],
+        assignments: &[Assignment],
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<Self, Error> {
         let mut values = Self::default();
         for file in files {
             let text = read_text(&file.path)?;
             let name = file.path.display().to_string();
             let set = ssv::read(&text, &name).map_err(Error::ParameterFile)?;
-            for parameter in set.parameters {
+            for parameter in set.parameters.iter().filter(|p| wanted(&p.name)) {
                 let place = Place::new(name.clone(), Some(parameter.line.into()));
                 let text = parameter.value.to_string();
                 let unit = parameter.unit.as_deref();
@@ -112,7 +140,7 @@ impl StartValues {
             }
         }
         let mut errors = Vec::new();
-        for a in assignments {
+        for a in assignments.iter().filter(|a| wanted(&a.name)) {
             if let Err(error) = values.give(pair, &a.place, a.side, &a.name, &a.value, None) {
                 errors.push(error);
             }

@@ -11,7 +11,7 @@ pub(crate) fn start(
     experiment: &Experiment,
     logging: bool,
 ) -> Result<Instance, Error> {
-    let mut instance = fmu.instantiate(name, logging)?;
+    let mut instance = fmu.configured(values)?.instantiate(name, logging)?;
     instance.set_start_values(values)?;
     instance.enter_initialization(experiment)?;
     Ok(instance)

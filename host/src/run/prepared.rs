@@ -21,8 +21,8 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Prepared<'a> {
     simulation: &'a Simulation,
-    controller: &'a Fmu,
-    plant: &'a Fmu,
+    controller: Fmu,
+    plant: Fmu,
     values: StartValues,
     wiring: Wiring,
     limits: Option<AngleLimits>,
@@ -32,11 +32,8 @@ pub struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     /// Reads and checks what the user gave, without an instance of either FMU.
-    pub fn new(
-        simulation: &'a Simulation,
-        controller: &'a Fmu,
-        plant: &'a Fmu,
-    ) -> Result<Self, Error> {
+    pub fn new(simulation: &'a Simulation, controller: &Fmu, plant: &Fmu) -> Result<Self, Error> {
+        let [controller, plant] = configured(simulation, controller, plant)?;
         let pair = Pair {
             controller: controller.description(),
             plant: plant.description(),
@@ -65,7 +62,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Descriptions of both FMUs.
-    pub fn pair(&self) -> Pair<'a> {
+    pub fn pair(&self) -> Pair<'_> {
         Pair {
             controller: self.controller.description(),
             plant: self.plant.description(),
@@ -120,7 +117,7 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`Error::Stopped`], with the samples until then, where it ends before its time, be it that `progress` stops it.
     pub fn run(self, progress: &mut dyn FnMut(f64) -> ControlFlow<()>) -> Result<Outcome, Error> {
-        let (pair, rows) = (self.pair(), self.rows());
+        let rows = self.rows();
         let Self {
             simulation,
             controller,
@@ -131,6 +128,10 @@ impl<'a> Prepared<'a> {
             table,
             steps,
         } = self;
+        let pair = Pair {
+            controller: controller.description(),
+            plant: plant.description(),
+        };
         let end = steps as f64 * simulation.step;
         let experiment = Experiment {
             stop: Some(end),
@@ -147,8 +148,8 @@ impl<'a> Prepared<'a> {
             )
         };
         let mut instances = [
-            start(controller, Side::Controller)?,
-            start(plant, Side::Plant)?,
+            start(&controller, Side::Controller)?,
+            start(&plant, Side::Plant)?,
         ];
         let table = match table {
             Some(table) => table,
@@ -234,8 +235,8 @@ impl<'a> Prepared<'a> {
             });
         }
         let summary = Summary {
-            controller: Unit::new(controller),
-            plant: Unit::new(plant),
+            controller: Unit::new(&controller),
+            plant: Unit::new(&plant),
             given: Given::new(simulation),
             order: simulation.order,
             step_s: simulation.step,
@@ -268,6 +269,19 @@ impl<'a> Prepared<'a> {
             }),
         }
     }
+}
+
+/// Both FMUs with the structural parameters that the user gave.
+fn configured(simulation: &Simulation, controller: &Fmu, plant: &Fmu) -> Result<[Fmu; 2], Error> {
+    let pair = Pair {
+        controller: controller.description(),
+        plant: plant.description(),
+    };
+    let structure = StartValues::structure(pair, &simulation.parameters, &simulation.assignments)?;
+    Ok([
+        controller.configured(&structure.of(Side::Controller))?,
+        plant.configured(&structure.of(Side::Plant))?,
+    ])
 }
 
 /// What the plant knows, or else the controller.

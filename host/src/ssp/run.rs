@@ -93,13 +93,14 @@ pub fn simulate_system(
 ) -> Result<SystemOutcome, Error> {
     let package = Package::open(&simulation.package)?;
     let structure = package.structure(simulation.variant.as_deref())?;
-    let wiring = Wiring::new(&package, &structure)?;
+    let mut wiring = Wiring::new(&package, &structure)?;
     let user = FromUser {
         files: &simulation.parameters,
         assignments: &simulation.assignments,
     };
     let mut values = Values::new(&package, &structure, &wiring, user)?;
     constants(&wiring, &mut values)?;
+    wiring.configure(&values.parts)?;
     let start = structure.start.unwrap_or(0.0);
     let (table, inputs) = table(simulation, &package, &structure, &wiring, start)?;
     let step = step(simulation, &structure, &wiring);

@@ -6,7 +6,7 @@ use super::document::{Kind, SystemStructure, Type};
 use super::package::{Package, mistake};
 use super::transformation::{NamedUnit, Transformation, Unit};
 use crate::Error;
-use crate::fmu::{Description, Fmu, Scalar};
+use crate::fmu::{Description, Fmu, Scalar, Value};
 use crate::input::{self, Place};
 use std::collections::BTreeMap;
 
@@ -126,6 +126,37 @@ impl Wiring {
         }
         wiring.warn_of_units();
         Ok(wiring)
+    }
+
+    /// Gives the FMUs the structural parameters among the `values` of each. Connectors and values name elements of
+    /// arrays in their size at the start: those must still be there.
+    pub fn configure(&mut self, values: &[BTreeMap<Scalar, Value>]) -> Result<(), Error> {
+        for (part, values) in self.parts.iter_mut().zip(values) {
+            let all: Vec<_> = values
+                .iter()
+                .map(|(at, value)| (*at, value.clone()))
+                .collect();
+            part.fmu = part.fmu.configured(&all)?;
+        }
+        let connected = self.points.iter().filter_map(|point| match point.owner {
+            Owner::Part(part, scalar) => Some((part, scalar)),
+            Owner::Root | Owner::Nested => None,
+        });
+        let given = values.iter().enumerate();
+        let given = given.flat_map(|(part, values)| values.keys().map(move |&at| (part, at)));
+        for (part, scalar) in connected.chain(given) {
+            let part = &self.parts[part];
+            let variable = part.description().variable(scalar);
+            if scalar.element >= variable.length() {
+                let (path, name, element) = (&part.path, &variable.name, scalar.element + 1);
+                let message = format!(
+                    "{path}.{name} has no element {element}: its structural parameter makes it an array of {}",
+                    variable.length()
+                );
+                return Err(mistake(Place::new(self.file.clone(), None), message).into());
+            }
+        }
+        Ok(())
     }
 
     /// A line of the system structure.

@@ -26,10 +26,11 @@ typedef struct {
 } callbacks2;
 
 typedef struct {
-    double u, y, gain, fault_time, vector[3], time;
+    double u, y, gain, fault_time, vector[8], time;
+    uint64_t size, given_size; /* elements of vector; what follows when it is configured */
     int fault;
     char label[64];
-    int failed, pending, states, warnings;
+    int configuring, failed, pending, states, warnings;
     const callbacks2 *callbacks;
     void *environment;
     log3_t log;
@@ -49,7 +50,8 @@ static void start(mock *m) {
     m->gain = 1;
     m->fault = NONE;
     m->fault_time = 0;
-    m->vector[0] = 1, m->vector[1] = 2, m->vector[2] = 3;
+    for (int i = 0; i < 8; i++) m->vector[i] = 1;
+    m->size = m->given_size = 3, m->configuring = 0;
     strcpy(m->label, "none");
     m->failed = m->pending = 0;
 }
@@ -297,8 +299,9 @@ int fmi3GetFloat64(mock *m, const unsigned *r, size_t n, double *v, size_t nv) {
     legal(m, 1);
     for (size_t i = 0, k = 0; i < n && k < nv; i++) {
         if (r[i] == VECTOR) {
-            memcpy(v + k, m->vector, sizeof m->vector);
-            k += 3;
+            if (m->configuring || nv - k < m->size) return ERROR;
+            memcpy(v + k, m->vector, m->size * sizeof *v);
+            k += m->size;
         } else {
             v[k++] = *real(m, r[i]);
         }
@@ -309,12 +312,33 @@ int fmi3SetFloat64(mock *m, const unsigned *r, size_t n, const double *v, size_t
     legal(m, 0);
     for (size_t i = 0, k = 0; i < n && k < nv; i++) {
         if (r[i] == VECTOR) {
-            memcpy(m->vector, v + k, sizeof m->vector);
-            k += 3;
+            if (m->configuring || nv - k < m->size) return ERROR;
+            memcpy(m->vector, v + k, m->size * sizeof *v);
+            k += m->size;
         } else {
             *real(m, r[i]) = v[k++];
         }
     }
+    return OK;
+}
+int fmi3EnterConfigurationMode(mock *m) { legal(m, 0); m->configuring = 1; return OK; }
+int fmi3ExitConfigurationMode(mock *m) {
+    legal(m, 0);
+    if (!m->configuring) return ERROR;
+    m->size = m->given_size, m->configuring = 0;
+    return OK;
+}
+int fmi3GetUInt64(mock *m, const unsigned *r, size_t n, uint64_t *v, size_t nv) {
+    (void)r, (void)n, (void)nv;
+    legal(m, 1);
+    *v = m->given_size;
+    return OK;
+}
+int fmi3SetUInt64(mock *m, const unsigned *r, size_t n, const uint64_t *v, size_t nv) {
+    (void)r, (void)n, (void)nv;
+    legal(m, 0);
+    if (!m->configuring) return ERROR;
+    m->given_size = *v;
     return OK;
 }
 int fmi3GetInt32(mock *m, const unsigned *r, size_t n, int32_t *v, size_t nv) { (void)nv; return fmi2GetInteger(m, r, n, v); }

@@ -101,7 +101,8 @@ pub fn description(version: u32) -> String {
     xml += &if version == 2 {
         "</ModelVariables>\n<ModelStructure><Outputs><Unknown index=\"2\"/><Unknown index=\"6\"/></Outputs><InitialUnknowns><Unknown index=\"2\"/><Unknown index=\"6\"/></InitialUnknowns></ModelStructure>\n".to_owned()
     } else {
-        "<Float64 name=\"vector\" valueReference=\"7\" causality=\"parameter\" variability=\"fixed\" start=\"1 2 3\"><Dimension start=\"3\"/></Float64>\n\
+        "<Float64 name=\"vector\" valueReference=\"7\" causality=\"parameter\" variability=\"fixed\" start=\"1\"><Dimension valueReference=\"8\"/></Float64>\n\
+         <UInt64 name=\"size\" valueReference=\"8\" causality=\"structuralParameter\" variability=\"fixed\" start=\"3\" min=\"1\" max=\"8\"/>\n\
          </ModelVariables>\n<ModelStructure><Output valueReference=\"1\"/><Output valueReference=\"5\"/><InitialUnknown valueReference=\"1\"/><InitialUnknown valueReference=\"5\"/></ModelStructure>\n".to_owned()
     };
     xml + "</fmiModelDescription>\n"

@@ -293,7 +293,9 @@ fn roles(v: &Variable, found: &mut Vec<String>) {
     use {Causality as C, Initial as I, Variability as V};
     let (causality, variability) = (v.causality, v.variability);
     let legal = match causality {
-        C::Parameter | C::CalculatedParameter => matches!(variability, V::Fixed | V::Tunable),
+        C::Parameter | C::StructuralParameter | C::CalculatedParameter => {
+            matches!(variability, V::Fixed | V::Tunable)
+        }
         C::Input => matches!(variability, V::Discrete | V::Continuous),
         C::Output => matches!(variability, V::Constant | V::Discrete | V::Continuous),
         C::Local => true,
@@ -316,7 +318,7 @@ fn roles(v: &Variable, found: &mut Vec<String>) {
     }
     let admitted: &[I] = match (causality, variability) {
         (C::Input | C::Independent, _) => &[],
-        (C::Parameter, _) | (_, V::Constant) => &[I::Exact],
+        (C::Parameter | C::StructuralParameter, _) | (_, V::Constant) => &[I::Exact],
         (C::CalculatedParameter, _) | (C::Local, V::Fixed | V::Tunable) => {
             &[I::Calculated, I::Approx]
         }
@@ -347,9 +349,19 @@ fn start(d: &ModelDescription, v: &Variable, found: &mut Vec<String>) {
         };
         found.push(format!("start is forbidden with {why}"));
     }
-    if values.len() != v.length() as usize {
-        let (given, wanted) = (values.len(), v.length());
-        found.push(format!("{given} start values for {wanted} elements"));
+    let wanted = if v.sized_by().is_some() {
+        1
+    } else {
+        v.length()
+    };
+    if values.len() != wanted as usize {
+        let given = values.len();
+        found.push(match v.sized_by() {
+            None => format!("{given} start values for {wanted} elements"),
+            Some(_) => {
+                format!("{given} start values: one for all elements, whose number may change")
+            }
+        });
     }
     for value in values {
         let number = value.number();

@@ -1,9 +1,10 @@
 //! The children of `ModelVariables`.
 
 use crate::check;
-use crate::tree::{Causality, Clock, Initial, Kind, Value, Variability, Variable};
+use crate::tree::{Causality, Clock, Dimension, Initial, Kind, Value, Variability, Variable};
 use crate::xml::{Reader, parse_f64};
 use roxmltree::Node;
+use std::collections::BTreeMap;
 
 pub(super) fn variable_or_clock<'a>(
     r: &mut Reader<'a>,
@@ -27,7 +28,6 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
             "variability",
             "description",
             "intervalVariability",
-            "intervalDecimal",
             "priority",
         ],
     );
@@ -49,9 +49,7 @@ fn clock<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Clock> {
         t.parse::<u32>().ok()
     });
     r.required(node, "valueReference");
-    r.required(node, "intervalDecimal");
     Some(Clock {
-        interval: r.number(node, "intervalDecimal").unwrap_or_default(),
         name: r.required(node, "name"),
         description: r.required(node, "description"),
         line: r.line(node),
@@ -74,7 +72,7 @@ fn variable<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Variable> {
     ];
     known.extend_from_slice(match kind {
         Kind::Float64 => &["unit", "displayUnit", "min", "max", "nominal", "derivative"],
-        Kind::Int32 => &["min", "max"],
+        Kind::Int32 | Kind::UInt64 => &["min", "max"],
         Kind::Boolean => &[],
         Kind::Enumeration => &["declaredType"],
     });
@@ -106,12 +104,14 @@ fn variable<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Variable> {
     let what = match kind {
         Kind::Float64 => "a finite number",
         Kind::Int32 => "a 32-bit integer",
+        Kind::UInt64 => "an integer from 0",
         Kind::Boolean => "true or false",
         Kind::Enumeration => "an integer",
     };
     let start = r.list(node, "start", what, |t| Value::parse(kind, t));
     let limit = |text: &str| match kind {
         Kind::Int32 => text.parse::<i32>().ok().map(f64::from),
+        Kind::UInt64 => text.parse::<u64>().ok().map(|n| n as f64),
         _ => parse_f64(text),
     };
     Some(Variable {
@@ -135,16 +135,42 @@ fn variable<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Variable> {
     })
 }
 
-fn dimension<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<u32> {
+/// The size of an array. That of one which follows a structural parameter is filled in by [`resolve`].
+fn dimension<'a>(r: &mut Reader<'a>, node: Node<'a, 'a>) -> Option<Dimension> {
     let dimensions = r.children(node, &["Dimension"]);
     if dimensions.len() > 1 {
         r.problem(node, "more than one dimension");
     }
     let dimension = *dimensions.first()?;
-    r.know_attributes(dimension, &["start"]);
+    r.know_attributes(dimension, &["start", "valueReference"]);
     r.children(dimension, &[]);
-    r.required(dimension, "start");
-    r.parsed(dimension, "start", "a positive number of elements", |t| {
+    let has = |attribute| dimension.attribute(attribute).is_some();
+    if has("start") == has("valueReference") {
+        r.problem(dimension, "either `start` or `valueReference`");
+    }
+    let parameter = r.reference(dimension, "valueReference");
+    let size = r.parsed(dimension, "start", "a positive number of elements", |t| {
         t.parse().ok().filter(|n| *n > 0)
+    });
+    (size.is_some() || parameter.is_some()).then(|| Dimension {
+        size: size.unwrap_or(1),
+        parameter,
     })
+}
+
+/// Gives each array the size that its structural parameter has at the start.
+pub(super) fn resolve(variables: &mut [Variable]) {
+    let starts: BTreeMap<_, _> = variables
+        .iter()
+        .filter_map(|v| match v.start.as_deref() {
+            Some([Value::UInt64(start)]) => Some((v.value_reference, u32::try_from(*start).ok()?)),
+            _ => None,
+        })
+        .collect();
+    let dimensions = variables.iter_mut().filter_map(|v| v.dimension.as_mut());
+    for dimension in dimensions {
+        let start = dimension.parameter.and_then(|p| starts.get(&p));
+        // What is no size is reported by the checks.
+        dimension.size = start.copied().unwrap_or(dimension.size).max(1);
+    }
 }

@@ -1,6 +1,7 @@
 //! Every rule of a model description, broken once: the message must name the line and the culprit.
 
 mod clocks;
+mod dimensions;
 mod structure;
 mod variables;
 

@@ -31,7 +31,7 @@ fn roles() {
     breaks(
         "causality=\"input\"",
         "causality=\"entry\"",
-        "t.xml:22: variable inflow: causality `entry` is not one of independent, parameter, calculatedParameter, input, output, local",
+        "t.xml:22: variable inflow: causality `entry` is not one of independent, parameter, structuralParameter, calculatedParameter, input, output, local",
     );
     only(
         "causality=\"parameter\" variability=\"tunable\"",

@@ -98,7 +98,7 @@ pub fn declaration(
 ) -> Result<String, String> {
     let kind = match (variable.kind, &variable.declared_type) {
         (Kind::Enumeration, Some(name)) => format!("FlexArm.Types.{name}"),
-        (Kind::Int32, _) => "Integer".to_owned(),
+        (Kind::Int32 | Kind::UInt64, _) => "Integer".to_owned(),
         (Kind::Boolean, _) => "Boolean".to_owned(),
         _ => "Real".to_owned(),
     };
@@ -114,7 +114,7 @@ pub fn declaration(
     for (bound, value) in [("min", variable.min), ("max", variable.max)] {
         if let Some(value) = value {
             let value = match variable.kind {
-                Kind::Int32 => format!("{value:.0}"),
+                Kind::Int32 | Kind::UInt64 => format!("{value:.0}"),
                 _ => real(value),
             };
             modifiers.push(format!("{each}{bound} = {value}"));
@@ -139,7 +139,7 @@ pub fn declaration(
     };
     let dimension = variable
         .dimension
-        .map_or_else(String::new, |n| format!("[{n}]"));
+        .map_or_else(String::new, |d| format!("[{}]", d.size));
     let last = variable.name.rsplit('.').next().unwrap_or_default();
     Ok(format!(
         "  {prefix}{kind} {}{dimension}{modifiers}{default} {};\n",

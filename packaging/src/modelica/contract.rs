@@ -20,7 +20,7 @@ const REGISTERS: [(Register, &str, &str); 3] = [
 fn register(variable: &Variable) -> Register {
     match variable.kind {
         Kind::Float64 => Register::Real,
-        Kind::Int32 | Kind::Enumeration => Register::Integer,
+        Kind::Int32 | Kind::UInt64 | Kind::Enumeration => Register::Integer,
         Kind::Boolean => Register::Boolean,
     }
 }

@@ -23,6 +23,8 @@ pub fn variables(d: &ModelDescription) -> String {
         let members = of(Causality::Parameter).filter(|v| group(v) == name);
         html += &table(d, &title, members);
     }
+    let title = "Structural parameters (FMI 3.0, set in Configuration Mode)";
+    html += &table(d, title, of(Causality::StructuralParameter));
     html += &table(d, "Local variables", of(Causality::Local));
     html + &clocks(d)
 }
@@ -31,9 +33,8 @@ pub fn variables(d: &ModelDescription) -> String {
 fn clocks(d: &ModelDescription) -> String {
     let row = |clock: &Clock| {
         let (name, text) = (escape(&clock.name), escape(&clock.description));
-        let interval = clock.interval;
         format!(
-            "<tr><td><code>{name}</code></td><td>s</td><td>{interval}</td><td></td><td>{text}</td></tr>\n"
+            "<tr><td><code>{name}</code></td><td>s</td><td></td><td></td><td>{text}</td></tr>\n"
         )
     };
     let rows: String = d.clocks.iter().map(row).collect();
@@ -66,7 +67,11 @@ fn framed(title: &str, rows: &str) -> String {
 }
 
 fn row(d: &ModelDescription, v: &Variable) -> String {
-    let dimension = v.dimension.map(|n| format!("[{n}]")).unwrap_or_default();
+    let dimension = match (v.dimension, v.sized_by().and_then(|p| d.variable(p))) {
+        (_, Some(size)) => format!("[{}]", size.name),
+        (Some(dimension), None) => format!("[{}]", dimension.size),
+        (None, None) => String::new(),
+    };
     let start = v.start.iter().flatten().map(|value| match value {
         Value::Enumeration(item) => {
             let mut items = d.declared_type(v).into_iter().flat_map(|t| &t.items);
@@ -88,7 +93,7 @@ fn row(d: &ModelDescription, v: &Variable) -> String {
         "<tr><td><code>{}{dimension}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}{}</td></tr>\n",
         escape(&v.name),
         escape(v.unit.as_deref().unwrap_or(match v.kind {
-            Kind::Int32 => "integer",
+            Kind::Int32 | Kind::UInt64 => "integer",
             Kind::Boolean => "boolean",
             _ => "",
         })),
