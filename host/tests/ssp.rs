@@ -200,6 +200,30 @@ fn a_loop_of_what_may_depend_directly_runs_with_a_warning() {
 }
 
 #[test]
+fn what_has_no_effect_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let values = [real("gain", 2.0), real("gaim", 3.0)].concat();
+    let one = [
+        HEAD,
+        "<ssd:System name=\"root\">\n<ssd:Elements>\n",
+        &component("a", "resources/b.fmu", &binding(&values, "")),
+        "</ssd:Elements>\n</ssd:System>\n",
+        TAIL,
+    ]
+    .concat();
+    package(folder.path(), &one, &[]);
+    let arguments = ["simulate", "s.ssp", "--step", "0.5", "--until", "2.8"];
+    let output = flexarm(folder.path(), &[&arguments[..], &["-o", "out"]].concat());
+    let said = errors(&output);
+    for warning in [
+        "a has no gaim: 1 of the 2 parameters of",
+        "--until 2.8 s is no whole number of steps of 0.5 s: the run ends at 2.5 s",
+    ] {
+        assert!(said.contains(warning), "{said}");
+    }
+}
+
+#[test]
 fn what_is_wrong_is_said_with_file_line_and_element() {
     let folder = tempfile::tempdir().unwrap();
     let good = chain();

@@ -38,6 +38,16 @@ pub(crate) fn whole_steps(duration: f64, step: f64) -> Option<usize> {
     STEPS.contains(&steps).then_some(steps as usize)
 }
 
+/// Says that a run ends before the time that was asked for, as no whole number of steps reaches it.
+pub(crate) fn cut(origin: &str, until: f64, end: f64, step: f64) -> Option<String> {
+    (until - end > 1e-3 * step).then(|| {
+        let (until, end, step) = (short(until), short(end), short(step));
+        format!(
+            "{origin} {until} s is no whole number of steps of {step} s: the run ends at {end} s"
+        )
+    })
+}
+
 /// Number of whole communication steps of the run.
 pub(super) fn steps(
     simulation: &Simulation,
@@ -228,6 +238,12 @@ mod tests {
         };
         assert_eq!(outcome(None, DEFAULT_STEP, None), Ok(80_000));
         assert_eq!(outcome(Some(0.5), 1.0 / 60.0, None), Ok(30));
+        assert_eq!(cut("--until", 0.5, 30.0 / 60.0, 1.0 / 60.0), None);
+        let cut = cut("--until", 0.1, 0.098, 0.007).unwrap();
+        assert!(
+            cut.contains("--until 0.1 s") && cut.ends_with("ends at 0.098 s"),
+            "{cut}"
+        );
         let short = rows(&[0.0, 0.5, 0.500_01]);
         assert_eq!(outcome(None, DEFAULT_STEP, Some(&short)), Ok(4000));
         for (until, step, times, message) in [

@@ -172,6 +172,9 @@ impl<'a> Prepared<'a> {
         warnings.extend(checks::descriptions(pair, simulation.step));
         warnings.extend(checks::periods(pair, &values, simulation.step));
         warnings.extend(plan.warnings.iter().cloned());
+        let until = simulation.until;
+        warnings
+            .extend(until.and_then(|until| checks::cut("--until", until, end, simulation.step)));
         if terms.first >= steps {
             warnings.push(format!(
                 "nothing is scored: errors count from the first change of the setpoint, and the run ends before, at {end} s"

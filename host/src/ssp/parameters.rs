@@ -27,6 +27,9 @@ pub(super) struct Values {
     pub warnings: Vec<String>,
 }
 
+/// Names that a warning lists.
+const SHOWN: usize = 3;
+
 /// What the user gives on top of the package.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FromUser<'a> {
@@ -95,15 +98,30 @@ impl Reader<'_> {
     ) -> Result<(), Error> {
         for binding in &element.bindings {
             let (all, source) = self.given(binding, component)?;
-            let mut applied = 0;
+            let mut missing = Vec::new();
             for given in &all {
-                applied += usize::from(self.apply(target, &given.name, given)?);
+                if !self.apply(target, &given.name, given)? {
+                    missing.push(given.name.as_str());
+                }
             }
-            if applied == 0 && !all.is_empty() {
-                let place = self.wiring.place(binding.line);
-                let name = &element.name;
+            let place = self.wiring.place(binding.line);
+            let name = &element.name;
+            if missing.len() == all.len() && !all.is_empty() {
                 self.values.warnings.push(format!(
                     "{place}: {name} has none of the {} parameters of {source}",
+                    all.len()
+                ));
+            } else if !missing.is_empty() {
+                let some = &missing[..missing.len().min(SHOWN)];
+                let more = if some.len() < missing.len() {
+                    ", ..."
+                } else {
+                    ""
+                };
+                self.values.warnings.push(format!(
+                    "{place}: {name} has no {}{more}: {} of the {} parameters of {source} go to nobody",
+                    some.join(", "),
+                    missing.len(),
                     all.len()
                 ));
             }

@@ -107,13 +107,14 @@ pub fn simulate_system(
     checks::points(step, simulation.record_every)?;
     let over_time = (&table, inputs.as_deref());
     let (until, origin) = until(simulation, &structure, &wiring, over_time, start);
-    let steps = steps(start, until, step, origin)?;
+    let steps = steps(start, until, step, &origin)?;
     let end = start + steps as f64 * step;
 
     let layout = Layout::new(&wiring, &values, &table);
     let order = order(&wiring, &layout.links, simulation.order)?;
     let mut warnings = wiring.warnings.clone();
     warnings.extend(values.warnings.iter().cloned());
+    warnings.extend(checks::cut(&origin, until, end, step));
     if !order.doubtful.is_empty() && simulation.order == Order::Sequential {
         let paths = order
             .doubtful
@@ -267,14 +268,14 @@ fn until(
 }
 
 /// Number of communication steps; `origin` says who gives the end.
-fn steps(start: f64, until: f64, step: f64, origin: String) -> Result<usize, Error> {
+fn steps(start: f64, until: f64, step: f64, origin: &str) -> Result<usize, Error> {
     checks::whole_steps(until - start, step).ok_or_else(|| {
         let bounds = [checks::STEPS.start(), checks::STEPS.end()];
         let [low, high] = bounds.map(|steps| short(start + steps * step));
         let (start, step) = (short(start), short(step));
         let expected =
             format!("a time in [{low}, {high}] s with steps of {step} s from {start} s on");
-        checks::setting(origin, until, expected).into()
+        checks::setting(origin.to_owned(), until, expected).into()
     })
 }
 
