@@ -155,17 +155,20 @@ impl Equation<'_> {
     }
 }
 
-/// sign(H) by Newton's iteration with determinant scaling; None if H has eigenvalues on the imaginary axis.
+/// sign(H) by Newton's iteration with determinant scaling, to a power of two; None if H has eigenvalues on the imaginary axis.
 fn sign(mut h: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let order = h.nrows() as f64;
     let mut last_change = f64::INFINITY;
     for _ in 0..SIGN_ITERATIONS {
         let lu = h.clone().lu();
         let inverse = lu.try_inverse()?;
-        let mu = lu.determinant().abs().powf(1.0 / order);
-        if !(mu.is_finite() && mu > 0.0) {
+        let determinant = lu.determinant();
+        if !determinant.is_finite() || determinant == 0.0 {
             return None;
         }
+        // The power of two nearest to |det|^(1/order): exact to scale by, and the same on every machine, as pow is not.
+        let exponent = ((determinant.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        let mu = f64::powi(2.0, (f64::from(exponent) / order).round() as i32);
         let next = (&h / mu + inverse * mu) * 0.5;
         let change = (&next - &h).norm() / next.norm();
         h = next;
