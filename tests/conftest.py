@@ -14,6 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 DIST = ROOT / "dist"
 GOLDEN = ROOT / "control" / "tests" / "golden"
+pytest_plugins = ["emulation"]
 VERSIONS = ("fmi2", "fmi3")
 UNITS = ("FlexArmPlant", "FlexArmController")
 
@@ -43,6 +44,11 @@ def run(*command, code: int = 0, **options) -> subprocess.CompletedProcess:
     return done
 
 
+def pytest_addoption(parser):
+    """What takes minutes is asked for."""
+    parser.addoption("--slow", action="store_true", help="also slow rows of the matrix: crates, emulation")
+
+
 @pytest.fixture(params=VERSIONS)
 def version(request) -> str:
     """Each FMI version."""
@@ -55,3 +61,24 @@ def flexarm() -> Path:
     path = target() / "flexarm"
     assert path.is_file(), f"{path} is missing: run `cargo build --release`"
     return path
+
+
+def pytest_terminal_summary(terminalreporter):
+    """The rows of test_matrix.py as one table."""
+    reports = [*terminalreporter.getreports("passed"), *terminalreporter.getreports("failed")]
+    rows = [value for report in reports for name, value in report.user_properties if name == "matrix"]
+    if not rows:
+        return
+    header = ("case", "client", "FMI", "interface", "order", "platform", "score / rad2", "same", "sequential")
+    table = [header]
+    key = ("case", "platform", "client", "interface", "version", "order")
+    for row in sorted(rows, key=lambda row: [row[name].lower() for name in key]):
+        deviations = [f"{row[to]:+.1e}" if row[to] else "0" for to in ("same", "sequential")]
+        words = [row["client"], f"{row['version'][3]}.0", row["interface"], row["order"], row["platform"]]
+        table.append([row["case"], *words, f"{row['score']:.9f}", *deviations])
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    terminalreporter.section("scores, and their relative deviation from our host's: same order, sequential")
+    for line in table:
+        words = zip(line, widths, strict=True)
+        aligned = [w.ljust(n) if i < 6 else w.rjust(n) for i, (w, n) in enumerate(words)]
+        terminalreporter.write_line("  ".join(aligned))

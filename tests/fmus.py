@@ -200,6 +200,28 @@ class CoSimulation(Instance):
         self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=size)
 
 
+class Eventful(FMU3Slave):
+    """Co-Simulation with Event Mode and early return."""
+
+    def instantiate(self, **arguments):
+        """As FMPy does, with both."""
+        super().instantiate(eventModeUsed=True, earlyReturnAllowed=True, **arguments)
+
+
+class EventfulCoSimulation(CoSimulation):
+    """Co-Simulation in which the importer handles the events (FMI 3.0 sec 4.2.3)."""
+
+    clients = (None, Eventful)
+
+    def step(self, time: float, size: float = SAMPLE) -> None:
+        """One communication step, which begins and ends in Event Mode."""
+        self.fmu.updateDiscreteStates()
+        self.fmu.enterStepMode()
+        *_, early, reached = self.fmu.doStep(time, size)
+        assert not early and abs(reached - time - size) < 1e-9, (time, size, reached)
+        self.fmu.enterEventMode()
+
+
 class ModelExchange(Instance):
     """One instance for Model Exchange."""
 
@@ -227,9 +249,10 @@ class ModelExchange(Instance):
 class Loop:
     """Controller and plant, coupled as a co-simulation master does it."""
 
-    def __init__(self, version: str, *sets: dict, controller: dict | None = None):
-        self.controller = CoSimulation(fmu(version, "FlexArmController"))
-        self.plant = CoSimulation(fmu(version, "FlexArmPlant"))
+    def __init__(self, version: str, *sets: dict, controller: dict | None = None, clients=None):
+        steers, moves = clients or (CoSimulation, CoSimulation)
+        self.controller = steers(fmu(version, "FlexArmController"))
+        self.plant = moves(fmu(version, "FlexArmPlant"))
         for values in sets:
             self.controller.configure(values)
             self.plant.configure(values)

@@ -11,13 +11,12 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi3 import (
     FMU3ScheduledExecution,
-    FMU3Slave,
     fmi3LockPreemptionCallback,
     fmi3UnlockPreemptionCallback,
 )
 
 from conftest import fmu
-from fmus import SAMPLE, CoSimulation, Instance, Loop, ModelExchange, hot_pendulum
+from fmus import SAMPLE, CoSimulation, EventfulCoSimulation, Instance, Loop, ModelExchange, hot_pendulum
 
 SAMPLES = 1200
 PER_PLAN = 200
@@ -46,20 +45,6 @@ def recorded() -> dict[float, list[tuple[float, list]]]:
         assert any(row[1][4] > 0 for row in rows), "the solver never worked"
         found[latency] = rows
     return found
-
-
-class Eventful(FMU3Slave):
-    """Co-Simulation with Event Mode and early return."""
-
-    def instantiate(self, **arguments):
-        """As FMPy does, with both."""
-        super().instantiate(eventModeUsed=True, earlyReturnAllowed=True, **arguments)
-
-
-class EventfulCoSimulation(CoSimulation):
-    """Co-Simulation in which the importer handles the events."""
-
-    clients = (None, Eventful)
 
 
 class Preemptible(FMU3ScheduledExecution):

@@ -4,9 +4,9 @@ from ctypes import c_double
 
 import numpy as np
 import pytest
-from fmpy.sundials import CVodeSolver
 
 from conftest import fmu
+from exchange import ExchangeLoop
 from fmus import SAMPLE, Loop, ModelExchange, hot_pendulum, parameters
 
 SETPOINTS = {0.0: 1.2, 0.5: 1.35, 1.0: 1.05}
@@ -18,63 +18,9 @@ def setpoint(time: float) -> float:
     return [value for begin, value in SETPOINTS.items() if begin <= time + 1e-9][-1]
 
 
-class ExchangeLoop:
-    """Controller and plant as an importer with an adaptive solver couples them."""
-
-    def __init__(self, version: str, values: dict, log=None):
-        self.controller = ModelExchange(fmu(version, "FlexArmController"), log=log)
-        self.plant = ModelExchange(fmu(version, "FlexArmPlant"), log=log)
-        self.values = values
-        self.initialize()
-        plant = self.plant.fmu
-        derivatives = plant.getContinuousStateDerivatives if self.plant.fmi3 else plant.getDerivatives
-        self.solver = CVodeSolver(
-            nx=4,
-            nz=0,
-            get_x=plant.getContinuousStates,
-            set_x=self.set_states,
-            get_dx=derivatives,
-            get_z=lambda z, nz: None,
-            get_nominals=plant.getNominalsOfContinuousStates,
-            set_time=plant.setTime,
-            input=None,
-            startTime=0.0,
-            relativeTolerance=1e-8,
-        )
-
-    def initialize(self) -> None:
-        """Both units to Continuous-Time Mode, the first sample taken."""
-        for unit in (self.controller, self.plant):
-            unit.configure(self.values)
-        self.plant.initialize()
-        self.plant.events()
-        start = self.plant.get("angle")
-        self.controller.initialize(angle=start, setpoint=setpoint(0.0))
-        self.next = self.controller.events()
-        self.plant.set("torque", self.controller.get("torque"))
-        for unit in (self.controller, self.plant):
-            unit.fmu.enterContinuousTimeMode()
-
-    def set_states(self, states, n: int) -> None:
-        """What the solver does before it asks for derivatives."""
-        self.plant.fmu.setContinuousStates(states, n)
-
-    def sample(self) -> tuple[float, float]:
-        """To the controller's next time event and through it; returns its instant and the angle there."""
-        time = self.next
-        self.solver.step(0.0, time)
-        self.plant.fmu.setTime(time)
-        self.plant.fmu.completedIntegratorStep()
-        angle = self.plant.get("angle")
-        self.next = self.controller.event(time, angle=angle, setpoint=setpoint(time))
-        self.plant.event(time, torque=self.controller.get("torque"))
-        self.solver.reset(time)
-        return time, angle
-
-    def close(self) -> None:
-        """Free both."""
-        self.controller.close()
-        self.plant.close()
+def inputs(time: float) -> tuple[float, float]:
+    """Setpoint, and no disturbance."""
+    return setpoint(time), 0.0
 
 
 class OpenModelicaLoop(ExchangeLoop):
@@ -86,14 +32,14 @@ class OpenModelicaLoop(ExchangeLoop):
 
     def initialize(self) -> None:
         """Both units to Continuous-Time Mode, the first sample taken."""
-        for unit, inputs in ((self.plant, {}), (self.controller, {"setpoint": setpoint(0.0)})):
+        for unit, start in ((self.plant, {}), (self.controller, {"setpoint": setpoint(0.0)})):
             if unit is self.controller:
-                inputs["angle"] = self.plant.get("angle")
+                start["angle"] = self.plant.get("angle")
             unit.fmu.setTime(0.0)
             unit.configure(self.values)
             unit.fmu.enterInitializationMode()
             unit.configure(self.values)
-            for name, value in inputs.items():
+            for name, value in start.items():
                 unit.set(name, value)
             unit.fmu.exitInitializationMode()
             unit.configure(self.values)
@@ -127,8 +73,10 @@ def test_order_of_openmodelica_gives_the_same_trajectory():
     """FMI 2.0 ME as OpenModelica imports it: accepted with warnings, and nothing comes out differently."""
     messages = []
     loops = [
-        ExchangeLoop("fmi2", hot_pendulum()),
-        OpenModelicaLoop("fmi2", hot_pendulum(), lambda env, status, *text: messages.append((status, text))),
+        ExchangeLoop("fmi2", inputs, hot_pendulum()),
+        OpenModelicaLoop(
+            "fmi2", inputs, hot_pendulum(), log=lambda env, status, *text: messages.append((status, text))
+        ),
     ]
     trajectories = [np.array([loop.sample() for _ in range(2000)]) for loop in loops]
     torques = [loop.controller.get("torque") for loop in loops]
@@ -147,7 +95,7 @@ def test_order_of_openmodelica_gives_the_same_trajectory():
 @pytest.mark.parametrize("arm", ["tflex", "pendulum"])
 def test_score_is_that_of_co_simulation(version, arm):
     values = parameters("tflex") if arm == "tflex" else hot_pendulum()
-    loop = ExchangeLoop(version, values)
+    loop = ExchangeLoop(version, inputs, values)
     exchange = np.array([loop.sample() for _ in range(round(STOP / SAMPLE))])
     loop.close()
     assert np.allclose(np.diff(exchange[:, 0]), SAMPLE, atol=1e-12)

@@ -14,8 +14,11 @@
 //!
 //! "eq n", "sec n" and "fig n" point into the paper on model predictive control of the T-flex.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod admissible;
 mod arithmetic;
+pub mod elementary;
 pub mod hysteresis;
 mod parameters;
 pub mod plant;

@@ -1,10 +1,11 @@
 //! g(θ) and its derivatives (eq 12), for several angles at once.
 //!
 //! One sine and cosine a piece; those of the higher harmonics follow from Chebyshev's recursion,
-//! cos (i+1)x = 2·cos x·cos ix − cos (i−1)x, and likewise the sines. Sine and cosine are computed here and not by the platform's library, so that the same arithmetic gives the same
-//! bits on every platform, and so that several angles share vector instructions.
+//! cos (i+1)x = 2·cos x·cos ix − cos (i−1)x, and likewise the sines. Sine and cosine are computed here, so that
+//! several angles share vector instructions.
 
 use crate::arithmetic::{Arithmetic, Separate};
+use crate::elementary;
 use crate::parameters::{HARMONICS, Parameters};
 use crate::vector::{LANES, Vector};
 
@@ -79,7 +80,7 @@ fn sin_cos<A: Arithmetic, const M: usize>(x: [A::Vector; M]) -> [[A::Vector; M];
 
 #[cold]
 fn large_sin_cos(x: [f64; LANES]) -> [[f64; LANES]; 2] {
-    [x.map(f64::sin), x.map(f64::cos)]
+    [x.map(elementary::sin), x.map(elementary::cos)]
 }
 
 /// g and its derivatives with respect to θ, the first `D` of them, ready for evaluation.

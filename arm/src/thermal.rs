@@ -4,6 +4,7 @@
 //! dT/dt = ((τ/Ki)² − T)/T_tc ,   T ≤ I_lim²   (eq 19)
 //! ```
 
+use crate::elementary;
 use crate::parameters::Motor;
 
 /// dT/dt under a motor torque \[A²/s\].
@@ -20,7 +21,7 @@ pub fn rate_tangent(motor: &Motor, load_change: f64, (torque, change): (f64, f64
 /// T after the motor torque was held for `step` \[s\]: the exact solution of eq 20 \[A²\].
 pub fn update(motor: &Motor, thermal_load: f64, torque: f64, step: f64) -> f64 {
     let missing = heating(motor, torque) - thermal_load;
-    thermal_load - missing * (-step / motor.thermal_time_constant).exp_m1()
+    thermal_load - missing * elementary::expm1(-step / motor.thermal_time_constant)
 }
 
 /// (τ/Ki)² \[A²\].

@@ -12,6 +12,8 @@
 //! This crate knows neither simulator nor interface: no I/O and no clock, and everything that a sample
 //! needs is allocated at set-up. "eq n" and "sec n" point into the paper, as in [`arm`].
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod controller;
 pub mod feedback;
 pub mod feedforward;

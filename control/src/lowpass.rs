@@ -1,5 +1,6 @@
 //! First-order low-pass on a sampled signal.
 
+use arm::elementary;
 use std::f64::consts::TAU;
 
 /// y_k = x_k + β·(y_{k−1} − x_k) with β = exp(−2π·f·Δ): from one sample to the next the output goes
@@ -16,7 +17,7 @@ impl Lowpass {
         let memory = if frequency == 0.0 {
             0.0
         } else {
-            (-TAU * frequency * sample_period).exp()
+            elementary::exp(-TAU * frequency * sample_period)
         };
         Self { memory }
     }

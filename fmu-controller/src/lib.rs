@@ -1,5 +1,7 @@
 //! The controller as a Functional Mock-up Unit: glue between `control` and `fmi-unit`, nothing computed here.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod controller;
 mod plan;
 mod settings;

@@ -1,5 +1,7 @@
 //! The flexure arm as a Functional Mock-up Unit: glue between `arm` and `fmi-unit`, nothing computed here.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod noise;
 mod plant;
 

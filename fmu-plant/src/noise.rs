@@ -1,7 +1,9 @@
 //! White noise of the motor drive (sec 4.1.1), as a function of seed and sample number alone, so that
 //! a snapshot needs no generator state and equal seeds give equal runs on every machine thread.
 
+use arm::elementary::{cos, log};
 use arm::random::{GOLDEN, mix};
+use std::f64::consts::TAU;
 
 /// Uniform in (0, 1].
 fn uniform(bits: u64) -> f64 {
@@ -15,7 +17,7 @@ pub fn standard_normal(seed: u64, sample: u64) -> f64 {
     let second = uniform(mix(
         stream.wrapping_add((2 * sample + 1).wrapping_mul(GOLDEN))
     ));
-    (-2.0 * first.ln()).sqrt() * (std::f64::consts::TAU * second).cos()
+    (-2.0 * log(first)).sqrt() * cos(TAU * second)
 }
 
 #[cfg(test)]

@@ -76,6 +76,7 @@ enum Command {
         /// Instead build for every platform and compare them under emulation
         ///
         /// Windows in Wine, Linux on ARM in qemu: both must do what this platform does, to the last bit.
+        /// Ends with a table of every client's scores, those of the Rust crates that import FMUs among them.
         #[arg(long)]
         platforms: bool,
         /// Arguments for pytest, after `--`: for example `-- -k snapshots`

@@ -42,9 +42,10 @@ pub fn platforms(workspace: &Workspace, pytest: &[String]) -> Result<(), String>
     Toolchain::prepare(workspace, &others)?.build(workspace, &["flexarm-host"])?;
     announce("3/4 Python environment");
     let python = python::environment(workspace, VENV, REQUIREMENTS)?;
-    announce("4/4 Every platform against this one");
+    announce("4/4 Every platform against this one, every client against our host");
     let mut tests = workspace.command(&python);
-    let platforms = ["-m", "pytest", "tests/test_platforms.py"];
+    let [platforms, matrix] = ["tests/test_platforms.py", "tests/test_matrix.py"];
+    let platforms = ["-m", "pytest", platforms, matrix, "--slow"];
     workspace.run(tests.args(platforms).args(pytest))?;
     announce("All tests of platforms passed");
     Ok(())

@@ -24,7 +24,7 @@
 //! −τ_max ≤ g_lower(θ) + d·ωr + J·u      g_upper(θ) + d·ωr + J·u ≤ τ_max
 //! ```
 
-use arm::{Motor, Parameters};
+use arm::{Motor, Parameters, elementary};
 use serde::{Deserialize, Serialize};
 
 use super::torque_bounds::TorqueLimit;
@@ -134,7 +134,7 @@ impl Problem {
 
     /// h_k, length of shooting interval `k` \[s\].
     pub fn interval_length(&self, k: usize) -> f64 {
-        (self.period * self.growth.powf(k as f64)).min(self.longest)
+        (self.period * elementary::pow(self.growth, k as f64)).min(self.longest)
     }
 }
 

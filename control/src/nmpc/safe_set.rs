@@ -55,6 +55,8 @@
 //! reference. The error by which it does not is bounded by the margin of eq 25 and the feedback's share of
 //! eq 26, as for all plans.
 
+use arm::elementary;
+
 use super::problem::Problem;
 use super::torque_bounds::Scan;
 
@@ -85,7 +87,7 @@ impl Side {
         let overdriven = (torque - most).max(0.0) / arm.damping;
         let time = set.time + set.interval;
         let motor = &problem.motor;
-        let cooling = (time / motor.thermal_time_constant).exp();
+        let cooling = elementary::exp(time / motor.thermal_time_constant);
         let per_torque = cooling / (motor.torque_constant.powi(2) * motor.thermal_time_constant);
         let (inertia, damping) = (arm.inertia, arm.damping);
         let [against, along] = [(-least).max(0.0), most.max(0.0)];

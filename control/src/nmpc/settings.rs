@@ -2,7 +2,7 @@
 
 mod torque;
 
-use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, require};
+use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, elementary, require};
 
 use super::problem::{FeedbackModel, Model, Problem, Terminal, Weights};
 use super::transcription::Transcription;
@@ -191,7 +191,7 @@ impl Settings {
     /// Shortest and longest duration that the horizon can have \[s\].
     fn durations(&self) -> [f64; 2] {
         let horizon = f64::from(self.horizon);
-        let growing = (GROWTH.powf(horizon) - 1.0) / (GROWTH - 1.0);
+        let growing = (elementary::pow(GROWTH, horizon) - 1.0) / (GROWTH - 1.0);
         [horizon, growing].map(|intervals| intervals * self.period)
     }
 

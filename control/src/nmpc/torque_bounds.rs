@@ -10,7 +10,7 @@
 //! Among the affine functions below all samples the mean gap is least for the one that is highest at the
 //! middle of the range: the edge of the lower convex hull that passes there. Mirrored, the upper one.
 
-use arm::Parameters;
+use arm::{Parameters, elementary};
 
 /// Cells per period of the highest cogging harmonic, and in all, at least.
 const CELLS: [f64; 2] = [1024.0, 4096.0];
@@ -106,7 +106,7 @@ impl Scan {
         let amplitudes = arm.cogging_cos.iter().zip(&arm.cogging_sin);
         let bend = amplitudes.enumerate().map(|(i, (a, b))| {
             let frequency = (i + 1) as f64 * w;
-            frequency * frequency * a.hypot(*b)
+            frequency * frequency * elementary::hypot(*a, *b)
         });
         let sample = |i: usize| {
             // The last one is the end itself, not what rounding makes of it.

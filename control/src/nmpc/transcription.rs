@@ -21,7 +21,7 @@
 //! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
 //! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
 
-use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector};
+use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector, elementary};
 
 use super::linear_quadratic::deadbeat;
 use super::problem::{Initial, Problem};
@@ -175,7 +175,7 @@ impl Transcription {
     pub fn deviation_growth(&self) -> f64 {
         let growth = |k: usize| spectral_radius(&self.interval(k).deviation[STAGES]);
         if let [_] = self.intervals[..] {
-            return growth(0).powf(self.problem.horizon as f64);
+            return elementary::pow(growth(0), self.problem.horizon as f64);
         }
         (0..self.problem.horizon).map(growth).product()
     }
@@ -434,7 +434,10 @@ fn spectral_radius(matrix: &Matrix3) -> f64 {
     match nalgebra::Schur::try_new(matrix, f64::EPSILON, 1000) {
         Some(schur) => {
             let eigenvalues = schur.complex_eigenvalues();
-            eigenvalues.iter().fold(0.0, |most, z| most.max(z.norm()))
+            eigenvalues
+                .iter()
+                .map(|z| elementary::hypot(z.re, z.im))
+                .fold(0.0, f64::max)
         }
         None => f64::INFINITY,
     }

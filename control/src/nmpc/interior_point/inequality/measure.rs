@@ -1,6 +1,6 @@
 //! Sums over the inequalities: what convergence and merit are judged by, in one pass.
 
-use arm::{Arithmetic, Vector};
+use arm::{Arithmetic, Vector, elementary};
 
 use super::{Inequalities, largest};
 
@@ -51,7 +51,7 @@ impl Product {
     }
 
     fn ln(&self) -> f64 {
-        self.mantissa.ln() + self.exponent as f64 * std::f64::consts::LN_2
+        elementary::log(self.mantissa) + self.exponent as f64 * std::f64::consts::LN_2
     }
 }
 
