@@ -249,26 +249,39 @@ fn structs(out: &mut String, group: &Group, at: &mut Vec<String>, title: &str) {
         at.pop();
     }
     line!(out, "        }}\n    }}\n}}\n");
-    let fields = group.variables.iter().map(|(field, _)| field);
-    let fields: Vec<_> = fields.chain(group.groups.keys()).collect();
-    line!(out, "impl Clone for {name} {{");
-    line!(out, "    fn clone(&self) -> Self {{\n        Self {{");
-    for field in &fields {
-        line!(out, "            {field}: self.{field}.clone(),");
-    }
-    line!(out, "        }}\n    }}\n");
-    line!(out, "    /// Without allocation where the sizes agree.");
-    line!(out, "    fn clone_from(&mut self, source: &Self) {{");
-    for field in &fields {
-        line!(out, "        self.{field}.clone_from(&source.{field});");
-    }
-    line!(out, "    }}\n}}");
+    clone(out, group, &name);
     for (field, inner) in &group.groups {
         at.push(field.clone());
         let title = format!("Variables `{}.*`.", at.join("."));
         structs(out, inner, at, &title);
         at.pop();
     }
+}
+
+/// `Clone`, where a derived `clone_from` would allocate vectors anew.
+fn clone(out: &mut String, group: &Group, name: &str) {
+    let variables = group.variables.iter();
+    let variables = variables.map(|(field, v)| (field, !is_vec(v)));
+    let fields: Vec<_> = variables
+        .chain(group.groups.keys().map(|field| (field, false)))
+        .collect();
+    line!(out, "impl Clone for {name} {{");
+    line!(out, "    fn clone(&self) -> Self {{\n        Self {{");
+    for (field, is_copy) in &fields {
+        let call = if *is_copy { "" } else { ".clone()" };
+        line!(out, "            {field}: self.{field}{call},");
+    }
+    line!(out, "        }}\n    }}\n");
+    line!(out, "    /// Without allocation where the sizes agree.");
+    line!(out, "    fn clone_from(&mut self, source: &Self) {{");
+    for (field, is_copy) in &fields {
+        if *is_copy {
+            line!(out, "        self.{field} = source.{field};");
+        } else {
+            line!(out, "        self.{field}.clone_from(&source.{field});");
+        }
+    }
+    line!(out, "    }}\n}}");
 }
 
 /// A value as Rust code.
