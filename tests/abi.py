@@ -52,6 +52,11 @@ class Fmu:
         self.parameters = [v for v in self.floats if v.causality == "parameter"]
         self.integers = [v for v in variables if v.type in ("Integer", "Enumeration", "Int32", "Int64")]
         self.clocks = [v.valueReference for v in variables if v.type == "Clock"]
+        structural = [v for v in variables if v.causality == "structuralParameter"]
+        self.structural = [v.valueReference for v in structural]
+        # All arrays of the controller's outputs have the size that its one structural parameter says.
+        self.arrays = [v.valueReference for v in variables if v.dimensions and v.causality == "output"]
+        self.points = int(structural[0].start) if structural else None
         self.states = len([v for v in variables if v.derivative is not None])
 
     def function(self, name: str, *types):

@@ -6,32 +6,10 @@ import random
 
 from abi import DOUBLES, LOG2, LOG3, REFERENCES, Callbacks, EventInfo, Fmu
 from fmus import SAMPLE
+from rules import RULES
 
 OK, WARNING, ERROR = 0, 1, 3
 CALLS = 40
-
-# Modes: Instantiated, Initialization, Step, Event, Continuous-Time, clock Activation, Terminated. For each
-# call the modes in which the standard demands it and those in which it would do harm; else either is right.
-RULES = {
-    "enter_initialization": ("I", "NSECAT"),
-    "exit_initialization": ("N", "ISECAT"),
-    "step": ("S", "INECAT"),
-    "update": ("E", "INSCAT"),
-    "enter_event": ("C", "INAT"),
-    "enter_continuous": ("", "INSAT"),
-    "enter_step": ("", "INCAT"),
-    "activate": ("A", "INSECT"),
-    "set_time": ("C", "SAT"),
-    "set_states": ("C", "INSAT"),
-    "get_states": ("NEC", "SA"),
-    "completed_step": ("C", "INSAT"),
-    "get": ("NSECAT", ""),
-    "set_input": ("INSEC", ""),
-    "set_parameter": ("", "T"),
-    "save": ("INSECT", "A"),
-    "reset": ("INSECAT", ""),
-    "terminate": ("SECA", ""),
-}
 
 
 class Failed(AssertionError):
@@ -45,7 +23,7 @@ class Sequence:
         self.fmu, self.random, self.messages = fmu, random.Random(seed), 0
         self.trace: list[str] = []
         self.mode: str | None = "I"
-        self.time, self.saved = 0.0, []
+        self.time, self.saved, self.points = 0.0, [], fmu.points
         self.kind = self.random.choice(["cs", "me"] + (["events", "scheduled"] if fmu.clocks else []))
         self.instance = c.c_void_p(self.instantiate())
         self.say(self.kind)
@@ -179,6 +157,36 @@ class Sequence:
         self.say(f"{variable.name} = {value}")
         self.call(rule, self.set_float(variable.valueReference, value), False, before)
 
+    def do_configure(self) -> None:
+        """Into Configuration Mode and out, or another size for the arrays."""
+        if not self.fmu.structural:
+            return
+        change = self.random.choice(["enter", "exit", "set"])
+        if change != "set":
+            mode = "K" if change == "enter" else "I"
+            self.plain(f"{change}_configuration", f"{change.capitalize()}ConfigurationMode", mode)
+            return
+        before, points = self.messages, self.random.choice([0, 1, 2, 3, 41, 81, 401, 402, 2**63])
+        types = (c.c_void_p, REFERENCES, c.c_size_t, c.POINTER(c.c_uint64), c.c_size_t)
+        reference, value = (c.c_uint32 * 1)(self.fmu.structural[0]), (c.c_uint64 * 1)(points)
+        status = self.fmu.function("SetUInt64", *types)(self.instance, reference, 1, value, 1)
+        rule = "set_again" if points == self.points else "set_structure"
+        if self.call(rule, status, 2 <= points <= 401, before) <= WARNING:
+            self.points = points
+
+    def do_get_array(self) -> None:
+        """Read an array with room for its size or another one."""
+        if not self.fmu.structural:
+            return
+        before, room = self.messages, self.random.choice([self.points, self.points, 41, 1, 500])
+        values = (c.c_double * 500)()
+        reference = (c.c_uint32 * 1)(self.random.choice(self.fmu.arrays))
+        legal = room == self.points
+        status = self.get_floats(reference, 1, values, room)
+        self.call("get" if legal else "get_wrong", status, legal, before)
+        if self.mode not in (None, "K") and not legal and status != ERROR:
+            raise self.failure(f"{room} values were read of an array of {self.points}")
+
     def do_initialize(self) -> None:
         """From Instantiated to the mode after initialization, or a part of the way."""
         before, start = self.messages, self.random.choice([0.0, 0.0, 0.0, 100.0, self.number()])
@@ -231,7 +239,7 @@ class Sequence:
             return
         self.plain(*change)
         if change[0] == "reset":
-            self.time = 0.0
+            self.time, self.points = 0.0, self.fmu.points
 
     def do_step(self) -> None:
         """A communication step, mostly from where the last one ended."""
@@ -351,13 +359,13 @@ class Sequence:
             pointer = c.c_void_p()
             status = function(f"GetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, c.byref(pointer))
             if self.call("save", status, True, before) <= WARNING:
-                self.saved.append((pointer, self.mode, self.time))
+                self.saved.append((pointer, self.mode, self.time, self.points))
             return
-        pointer, mode, time = self.random.choice(self.saved)
+        pointer, mode, time, points = self.random.choice(self.saved)
         if self.random.random() < 0.5:
             status = function(f"SetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, pointer)
             if self.call("restore", status, False, before) <= WARNING:
-                self.mode, self.time = mode, time
+                self.mode, self.time, self.points = mode, time, points
             return
         size = c.c_size_t()
         types = (c.c_void_p, c.c_void_p, c.c_void_p)
@@ -376,7 +384,7 @@ class Sequence:
         types = (c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p)
         status = function(name, *types)(self.instance, data, length, c.byref(copy))
         if self.call("deserialize", status, False, before) <= WARNING:
-            self.saved.append((copy, mode, time))
+            self.saved.append((copy, mode, time, points))
 
     def run(self) -> None:
         """All calls, and the end."""
@@ -390,7 +398,7 @@ class Sequence:
     def close(self) -> None:
         """Forget what was saved and free the instance."""
         state = "State" if self.fmu.fmi3 else "state"
-        for pointer, _, _ in self.saved:
+        for pointer, *_ in self.saved:
             self.fmu.function(f"FreeFMU{state}", c.c_void_p, c.c_void_p)(self.instance, c.byref(pointer))
         free = getattr(self.fmu.library, self.fmu.prefix + "FreeInstance")
         free.argtypes, free.restype = (c.c_void_p,), None

@@ -14,16 +14,17 @@ def test_random_calls_find_nothing(version, unit):
 
 
 @pytest.mark.parametrize(
-    ("rule", "broken", "found"),
+    ("unit", "rule", "broken", "found"),
     [
-        ("get", ("", "INSECAT"), "get is harmful in mode"),
-        ("enter_step", ("INSECAT", ""), "enter_step must be accepted in mode"),
+        ("Plant", "get", ("", "INSECAT"), "get is harmful in mode"),
+        ("Plant", "enter_step", ("INSECAT", ""), "enter_step must be accepted in mode"),
+        ("Controller", "set_structure", ("", "K"), "set_structure is harmful in mode"),
     ],
 )
-def test_a_broken_rule_would_be_found(monkeypatch, rule, broken, found):
+def test_a_broken_rule_would_be_found(monkeypatch, unit, rule, broken, found):
     """The search itself: rules that no FMU keeps are broken in the first sequences."""
     monkeypatch.setitem(calls.RULES, rule, broken)
-    plant = Fmu(fmu("fmi3", "FlexArmPlant"))
+    library = Fmu(fmu("fmi3", f"FlexArm{unit}"))
     with pytest.raises(calls.Failed, match=found):
-        for seed in range(20):
-            calls.Sequence(plant, seed).run()
+        for seed in range(100):
+            calls.Sequence(library, seed).run()
