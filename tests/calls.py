@@ -161,7 +161,8 @@ class Sequence:
         """Into Configuration Mode and out, or another size for the arrays."""
         if not self.fmu.structural:
             return
-        change = self.random.choice(["enter", "exit", "set"])
+        sensible = {"I": ["enter"], "K": ["set", "set", "exit"]}.get(self.mode, [])
+        change = self.random.choice(sensible * 2 + ["enter", "exit", "set"])
         if change != "set":
             mode = "K" if change == "enter" else "I"
             self.plain(f"{change}_configuration", f"{change.capitalize()}ConfigurationMode", mode)
@@ -388,7 +389,14 @@ class Sequence:
 
     def run(self) -> None:
         """All calls, and the end."""
-        often = {"do_initialize": 8, "do_step": 6, "do_set_input": 6, "do_update": 6, "do_clock": 6}
+        often = {
+            "do_configure": 4,
+            "do_initialize": 8,
+            "do_step": 6,
+            "do_set_input": 6,
+            "do_update": 6,
+            "do_clock": 6,
+        }
         steps = [name for name in dir(self) if name.startswith("do_")]
         weights = [often.get(name, 2) for name in steps]
         for _ in range(CALLS):
