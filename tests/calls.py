@@ -360,12 +360,12 @@ class Sequence:
             pointer = c.c_void_p()
             status = function(f"GetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, c.byref(pointer))
             if self.call("save", status, True, before) <= WARNING:
-                self.saved.append((pointer, self.mode, self.time, self.points))
+                self.saved.append((pointer, self.mode, self.time, self.points, True))
             return
-        pointer, mode, time, points = self.random.choice(self.saved)
+        pointer, mode, time, points, own = self.random.choice(self.saved)
         if self.random.random() < 0.5:
             status = function(f"SetFMU{state}", c.c_void_p, c.c_void_p)(self.instance, pointer)
-            if self.call("restore", status, False, before) <= WARNING:
+            if self.call("restore", status, own, before) <= WARNING:
                 self.mode, self.time, self.points = mode, time, points
             return
         size = c.c_size_t()
@@ -385,7 +385,7 @@ class Sequence:
         types = (c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p)
         status = function(name, *types)(self.instance, data, length, c.byref(copy))
         if self.call("deserialize", status, False, before) <= WARNING:
-            self.saved.append((copy, mode, time, points))
+            self.saved.append((copy, mode, time, points, False))
 
     def run(self) -> None:
         """All calls, and the end."""

@@ -25,6 +25,7 @@ RULES = {
     "set_input": ("INSEC", ""),
     "set_parameter": ("", "T"),
     "save": ("IKNSECT", "A"),
+    "restore": ("IKNSECT", ""),
     "reset": ("IKNSECAT", ""),
     "terminate": ("SECA", ""),
 }

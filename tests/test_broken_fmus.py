@@ -49,7 +49,7 @@ DEFECTS = {
     "enumeration type": (
         "Controller",
         sub(r'declaredType="NmpcSolver"', 'declaredType="Solver"'),
-        ["variable nmpc.solver: its type Solver is not defined"],
+        ["variable nmpc.solver: no enumeration Solver, its type, is defined"],
         True,
     ),
     "duplicate name": (

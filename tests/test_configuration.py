@@ -140,5 +140,11 @@ def test_our_host_configures(flexarm, tmp_path):
         run(*common, *arguments, "-o", out)
         results.append((out / "results.csv").read_bytes())
     assert results[0] == results[1], "the size of the arrays changes no other output"
+    last = tmp_path / "connections.toml"
+    last.write_text('[[role]]\nname = "angle"\nfrom = "controller.nmpc.plan.angle[81]"\n')
+    wired = [*common, "--connections", last]
+    run(*wired, "--set", "nmpc.plan.points=81", "-o", tmp_path / "wired")
+    missing = run(*wired, "-o", tmp_path / "missing", code=2)
+    assert "nmpc.plan.angle[81]" in missing.stderr
     refused = run(*common, "--set", "nmpc.plan.points=402", "-o", tmp_path / "none", code=2)
     assert "nmpc.plan.points" in refused.stderr and "[2, 401]" in refused.stderr

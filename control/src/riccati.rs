@@ -168,7 +168,8 @@ fn sign(mut h: DMatrix<f64>) -> Option<DMatrix<f64>> {
         }
         // The power of two nearest to |det|^(1/order): exact to scale by, and the same on every machine, as pow is not.
         let exponent = ((determinant.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-        let mu = f64::powi(2.0, (f64::from(exponent) / order).round() as i32);
+        let power = (f64::from(exponent) / order).round() as i64;
+        let mu = f64::from_bits(((1023 + power) as u64) << 52);
         let next = (&h / mu + inverse * mu) * 0.5;
         let change = (&next - &h).norm() / next.norm();
         h = next;

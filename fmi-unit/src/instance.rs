@@ -212,7 +212,7 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// Gives the arrays their new sizes: nothing later allocates for them.
+    /// Gives the arrays their new sizes: no step allocates for them.
     pub(crate) fn exit_configuration(&mut self) {
         self.now.variables.resize();
         self.now.stale = true;

@@ -92,7 +92,7 @@ pub(crate) const ALWAYS: Row = row("+ + + + + + + + + +");
 pub(crate) mod fmi2 {
     use super::{Row, row};
     //                                             Instantiated
-    //                                             | (unused in FMI 2.0)
+    //                                             | (FMI 3.0's Configuration, by a state of that version)
     //                                             | | Initialization
     //                                             | | | Step
     //                                             | | | | Event
@@ -105,11 +105,11 @@ pub(crate) mod fmi2 {
     pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - - -");
     pub(crate) const EXIT_INITIALIZATION:  Row = row("- - + - - - - - - -");
     pub(crate) const TERMINATE:            Row = row("~ - ~ + + + - - ~ ~");
-    pub(crate) const RESET:                Row = row("+ - + + + + - - + +");
+    pub(crate) const RESET:                Row = row("+ + + + + + - - + +");
     pub(crate) const GET:                  Row = row("~ - + + + + - - + +");
     pub(crate) const SET:                  Row = row("+ - + + + + - - ~ -");
     pub(crate) const GET_FMU_STATE:        Row = row("+ - + + + + - - + -");
-    pub(crate) const SET_FMU_STATE:        Row = row("+ - + + + + - - + +");
+    pub(crate) const SET_FMU_STATE:        Row = row("+ + + + + + - - + +");
     pub(crate) const ENTER_EVENT_MODE:     Row = row("- - - - ~ + - - - -");
     pub(crate) const NEW_DISCRETE_STATES:  Row = row("- - - - + - - - - -");
     pub(crate) const ENTER_CONTINUOUS:     Row = row("- - - - + ~ - - - -");

@@ -117,7 +117,10 @@ impl<U: Unit> Snapshot<U> {
             )));
         }
         let (snapshot, rest) = postcard::take_from_bytes::<Self>(rest).map_err(|_| damaged())?;
-        if !rest.is_empty() || !snapshot.is_consistent() {
+        if !rest.is_empty()
+            || !snapshot.is_consistent()
+            || !snapshot.state.as_ref().is_none_or(U::is_admissible)
+        {
             return Err(damaged());
         }
         check_parameters(&snapshot.situation.variables)?;

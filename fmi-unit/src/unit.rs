@@ -52,6 +52,12 @@ pub trait Unit: Sized + Send + 'static {
     /// The state, for a snapshot.
     fn state(&self) -> &Self::State;
 
+    /// Whether a state that came from elsewhere can be one of this unit: its numbers are numbers.
+    fn is_admissible(state: &Self::State) -> bool {
+        let _ = state;
+        true
+    }
+
     /// Goes back to a snapshot. The unit was made by [`Unit::new`] from the snapshot's variables.
     fn set_state(&mut self, state: &Self::State) -> Result<(), Failure>;
 

@@ -87,10 +87,11 @@ impl Unit for Controller {
         self.control.state()
     }
 
+    fn is_admissible(state: &State) -> bool {
+        state.is_finite()
+    }
+
     fn set_state(&mut self, state: &State) -> Result<(), Failure> {
-        if !state.is_finite() {
-            return Err(Failure("the state holds what is not finite".into()));
-        }
         self.control.set_state(state);
         Ok(())
     }

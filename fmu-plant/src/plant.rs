@@ -135,7 +135,7 @@ impl Unit for Plant {
         &self.state
     }
 
-    fn set_state(&mut self, state: &State) -> Result<(), Failure> {
+    fn is_admissible(state: &State) -> bool {
         let Motion {
             angle,
             velocity,
@@ -149,9 +149,10 @@ impl Unit for Plant {
             hysteresis,
             state.noise_current,
         ];
-        if !numbers.iter().all(|number| number.is_finite()) {
-            return Err(Failure("the state holds what is not finite".into()));
-        }
+        numbers.iter().all(|number| number.is_finite())
+    }
+
+    fn set_state(&mut self, state: &State) -> Result<(), Failure> {
         self.state.clone_from(state);
         Ok(())
     }

@@ -119,7 +119,7 @@ impl<U: Unit> Instance<U> {
         for variable in U::Variables::MODEL.variables {
             if variable.causality != Causality::Output
                 || variable.kind != Kind::Float64
-                || variable.is_array
+                || variable.dimension.is_some()
             {
                 continue;
             }

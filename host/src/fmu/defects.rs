@@ -19,10 +19,14 @@ const CAUSALITIES: [(&str, &[&str]); 7] = [
     ("independent", &["continuous"]),
 ];
 const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
+/// Defects that are listed: whoever repairs a description begins with the first.
+const LISTED: usize = 20;
 const INITIALS: [&str; 3] = ["exact", "approx", "calculated"];
 
 /// A variable of either version.
 struct Variable<'a> {
+    /// In the list, from 1.
+    position: i64,
     node: Node<'a, 'a>,
     /// Carries the type: in FMI 2.0 an element of its own.
     typed: Node<'a, 'a>,
@@ -32,15 +36,18 @@ struct Variable<'a> {
 struct Check<'a> {
     document: &'a Document<'a>,
     found: Vec<String>,
+    /// How many more there are.
+    more: usize,
 }
 
-/// All defects of a description. O(n log n) in its size.
+/// The defects of a description, the first [`LISTED`] and how many more. O(n) in its size.
 pub(super) fn defects(document: &Document<'_>, version: Version) -> Vec<String> {
     let root = document.root_element();
     let variables = variables(root, version);
     let mut check = Check {
         document,
         found: Vec::new(),
+        more: 0,
     };
     check.names(&variables);
     let types = types(root, version);
@@ -49,6 +56,9 @@ pub(super) fn defects(document: &Document<'_>, version: Version) -> Vec<String> 
         check.declared_type(variable, &types);
     }
     check.outputs(root, version, &variables);
+    if check.more > 0 {
+        check.found.push(format!("and {} more", check.more));
+    }
     check.found
 }
 
@@ -59,21 +69,33 @@ fn children<'a>(root: Node<'a, 'a>, list: &'static str) -> impl Iterator<Item = 
 
 /// Variables in the order of the file. One without a name is left to the schema.
 fn variables<'a>(root: Node<'a, 'a>, version: Version) -> Vec<Variable<'a>> {
-    let variable = |node: Node<'a, 'a>| {
+    let variable = |(index, node): (usize, Node<'a, 'a>)| {
         let typed = match version {
             Version::V2 => node.first_element_child()?,
             Version::V3 => node,
         };
         let name = node.attribute("name")?;
-        Some(Variable { node, typed, name })
+        let position = index as i64 + 1;
+        Some(Variable {
+            position,
+            node,
+            typed,
+            name,
+        })
     };
     children(root, "ModelVariables")
+        .enumerate()
         .filter_map(variable)
         .collect()
 }
 
 /// Values of each enumeration; None for a type of another kind.
-type Types<'a> = HashMap<&'a str, Option<HashSet<&'a str>>>;
+type Types<'a> = HashMap<&'a str, Option<HashSet<i64>>>;
+
+/// XML writes a number in more than one way.
+fn integer(text: &str) -> Option<i64> {
+    text.trim().parse().ok()
+}
 
 fn types<'a>(root: Node<'a, 'a>, version: Version) -> Types<'a> {
     let of = |node: Node<'a, 'a>| {
@@ -85,7 +107,7 @@ fn types<'a>(root: Node<'a, 'a>, version: Version) -> Types<'a> {
             Version::V3 => (node, node.has_tag_name("EnumerationType")),
         };
         let items = list.children().filter(|c| c.has_tag_name("Item"));
-        let values = items.filter_map(|item| item.attribute("value"));
+        let values = items.filter_map(|item| integer(item.attribute("value")?));
         Some((
             node.attribute("name")?,
             is_enumeration.then(|| values.collect()),
@@ -96,8 +118,17 @@ fn types<'a>(root: Node<'a, 'a>, version: Version) -> Types<'a> {
 
 impl Check<'_> {
     fn defect(&mut self, node: Node<'_, '_>, message: std::fmt::Arguments<'_>) {
-        let line = self.document.text_pos_at(node.range().start).row;
+        if self.found.len() == LISTED {
+            self.more += 1;
+            return;
+        }
+        let line = self.line(node);
         self.found.push(format!("line {line}: {message}"));
+    }
+
+    /// O(n): counted from the start of the text.
+    fn line(&self, node: Node<'_, '_>) -> u32 {
+        self.document.text_pos_at(node.range().start).row
     }
 
     /// Names of variables and of their aliases are unique (FMI 2.0 sec 2.2.7, FMI 3.0 sec 2.4.7).
@@ -111,7 +142,8 @@ impl Check<'_> {
                     continue;
                 };
                 if let Some(other) = first.insert(name, node) {
-                    let line = self.document.text_pos_at(other.range().start).row;
+                    let is_listed = self.found.len() < LISTED;
+                    let line = if is_listed { self.line(other) } else { 0 };
                     self.defect(
                         node,
                         format_args!(
@@ -167,32 +199,26 @@ impl Check<'_> {
         }
     }
 
-    /// A declared type exists, and starts are values of an enumeration (FMI 2.0 sec 2.2.3, FMI 3.0 sec 2.4.4).
+    /// The type of an enumeration exists, and starts are among its items (FMI 2.0 sec 2.2.3, FMI 3.0 sec 2.4.4). Types
+    /// of numbers give them no meaning, only units and ranges.
     fn declared_type(&mut self, variable: &Variable<'_>, types: &Types<'_>) {
-        let Variable { node, typed, name } = variable;
-        let Some(declared) = typed.attribute("declaredType") else {
+        let Variable {
+            node, typed, name, ..
+        } = variable;
+        let declared = typed.attribute("declaredType");
+        let Some(declared) = declared.filter(|_| typed.has_tag_name("Enumeration")) else {
             return;
         };
-        let Some(items) = types.get(declared) else {
+        let Some(Some(items)) = types.get(declared) else {
             self.defect(
                 *node,
-                format_args!("variable {name}: its type {declared} is not defined"),
+                format_args!("variable {name}: no enumeration {declared}, its type, is defined"),
             );
-            return;
-        };
-        let is_enumeration = typed.has_tag_name("Enumeration");
-        let Some(items) = items.as_ref().filter(|_| is_enumeration) else {
-            if is_enumeration || items.is_some() {
-                self.defect(
-                    *node,
-                    format_args!("variable {name}: its type {declared} is of another kind"),
-                );
-            }
             return;
         };
         let starts = typed.attribute("start").unwrap_or_default();
         for start in starts.split_ascii_whitespace() {
-            if !items.contains(start) {
+            if !integer(start).is_some_and(|start| items.contains(&start)) {
                 self.defect(
                     *node,
                     format_args!("variable {name}: its start {start} is no item of the enumeration {declared}"),
@@ -215,19 +241,23 @@ impl Check<'_> {
                 (outputs.collect(), "valueReference")
             }
         };
-        let listed: HashSet<&str> = listed.iter().filter_map(|u| u.attribute(key)).collect();
-        for (position, variable) in variables.iter().enumerate() {
-            let Variable { node, typed, name } = variable;
+        let own = |node: &Node<'_, '_>, key| integer(node.attribute(key)?);
+        let listed: HashSet<i64> = listed.iter().filter_map(|u| own(u, key)).collect();
+        for variable in variables {
+            let Variable {
+                position,
+                node,
+                typed,
+                name,
+            } = variable;
             if node.attribute("causality") != Some("output") || typed.has_tag_name("Clock") {
                 continue;
             }
-            // FMI 2.0 counts variables from 1.
-            let index = (position + 1).to_string();
-            let own = match version {
-                Version::V2 => Some(index.as_str()),
-                Version::V3 => node.attribute("valueReference"),
+            let reference = match version {
+                Version::V2 => Some(*position),
+                Version::V3 => own(node, key),
             };
-            if own.is_some_and(|own| !listed.contains(own)) {
+            if reference.is_some_and(|reference| !listed.contains(&reference)) {
                 self.defect(
                     *node,
                     format_args!(
@@ -275,10 +305,10 @@ mod tests {
     #[test]
     fn what_is_sound_passes() {
         let found = fmi2(
-            "<ScalarVariable name='p' causality='parameter' variability='fixed'><Enumeration declaredType='E' start='1'/>
-             </ScalarVariable><ScalarVariable name='x'><Real declaredType='R'/></ScalarVariable>
+            "<ScalarVariable name='p' causality='parameter' variability='fixed'><Enumeration declaredType='E' start='+1'/>
+             </ScalarVariable><ScalarVariable name='x'><Real declaredType='T'/></ScalarVariable>
              <ScalarVariable name='y' causality='output'><Real/></ScalarVariable>",
-            "<Unknown index='3'/>",
+            "<Unknown index=' 03'/>",
         );
         assert_eq!(found, Vec::<String>::new());
         let found = fmi3(
@@ -297,8 +327,8 @@ mod tests {
             "<ScalarVariable name='p' causality='parameter' variability='continuous'><Real/></ScalarVariable>
 <ScalarVariable name='q' causality='structuralParameter'><Real/></ScalarVariable>
 <ScalarVariable name='q' causality='output'><Enumeration declaredType='E' start='2'/></ScalarVariable>
-<ScalarVariable name='r'><Real declaredType='E'/></ScalarVariable>
-<ScalarVariable name='s'><Real declaredType='T'/></ScalarVariable>",
+<ScalarVariable name='r'><Enumeration declaredType='R'/></ScalarVariable>
+<ScalarVariable name='s'><Enumeration declaredType='T'/></ScalarVariable>",
             "<Unknown index='2'/>",
         );
         let expected = [
@@ -307,8 +337,8 @@ mod tests {
             "line 2: variable q: causality is structuralParameter, which is none of parameter, calculatedParameter, input, \
              output, local, independent",
             "line 3: variable q: its start 2 is no item of the enumeration E",
-            "line 4: variable r: its type E is of another kind",
-            "line 5: variable s: its type T is not defined",
+            "line 4: variable r: no enumeration R, its type, is defined",
+            "line 5: variable s: no enumeration T, its type, is defined",
             "line 3: variable q is an output, but ModelStructure does not list it",
         ];
         assert_eq!(found, expected);
@@ -326,5 +356,14 @@ mod tests {
             "line 2: variable y is an output, but ModelStructure does not list it",
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_long_list_is_cut() {
+        let variable = "<Float64 name='x' valueReference='1' causality='guess'/>";
+        let found = fmi3(&variable.repeat(30), "");
+        assert_eq!(found.len(), LISTED + 1);
+        // 29 names that are taken, 30 causalities.
+        assert_eq!(found[LISTED], "and 39 more");
     }
 }

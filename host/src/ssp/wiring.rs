@@ -131,6 +131,7 @@ impl Wiring {
     /// Gives the FMUs the structural parameters among the `values` of each. Connectors and values name elements of
     /// arrays in their size at the start: those must still be there.
     pub fn configure(&mut self, values: &[BTreeMap<Scalar, Value>]) -> Result<(), Error> {
+        let before: Vec<_> = self.parts.iter().map(|part| part.fmu.clone()).collect();
         for (part, values) in self.parts.iter_mut().zip(values) {
             let all: Vec<_> = values
                 .iter()
@@ -145,13 +146,14 @@ impl Wiring {
         let given = values.iter().enumerate();
         let given = given.flat_map(|(part, values)| values.keys().map(move |&at| (part, at)));
         for (part, scalar) in connected.chain(given) {
+            // Of two dimensions the same element may now be another one.
+            let name = before[part].description().name_of(scalar);
             let part = &self.parts[part];
-            let variable = part.description().variable(scalar);
-            if scalar.element >= variable.length() {
-                let (path, name, element) = (&part.path, &variable.name, scalar.element + 1);
+            if part.description().scalar(&name).ok() != Some(scalar) {
+                let path = &part.path;
                 let message = format!(
-                    "{path}.{name} has no element {element}: its structural parameter makes it an array of {}",
-                    variable.length()
+                    "{path}.{name} is another element or none, now that structural parameters are given: only those that \
+                     stay where they are can be connected or set"
                 );
                 return Err(mistake(Place::new(self.file.clone(), None), message).into());
             }
