@@ -15,7 +15,7 @@ use std::path::Path;
 /// One instance; freed before the folder that its library lies in, which the import keeps.
 enum Client {
     Fmi2(fmi2::InstanceCS, Fmi2Import),
-    Fmi3(fmi3::InstanceCS, Fmi3Import),
+    Fmi3(Box<fmi3::InstanceCS>, Box<Fmi3Import>),
 }
 
 fn main() -> Outcome {
@@ -34,7 +34,7 @@ impl Client {
         let import: Fmi3Import = import::from_path(path)?;
         // Without Event Mode and early return samples are taken inside the steps.
         let instance = import.instantiate_cs("unit", false, false, false, false, &[])?;
-        Ok(Self::Fmi3(instance, import))
+        Ok(Self::Fmi3(Box::new(instance), Box::new(import)))
     }
 }
 
