@@ -14,8 +14,8 @@ use std::path::Path;
 
 /// One instance; freed before the folder that its library lies in, which the import keeps.
 enum Client {
-    Fmi2(fmi2::InstanceCS, Fmi2Import),
-    Fmi3(fmi3::InstanceCS, Fmi3Import),
+    Fmi2(Box<fmi2::InstanceCS>, Box<Fmi2Import>),
+    Fmi3(Box<fmi3::InstanceCS>, Box<Fmi3Import>),
 }
 
 fn main() -> Outcome {
@@ -26,15 +26,13 @@ impl Client {
     fn open(path: &Path) -> Outcome<Self> {
         if import::peek_descr_path(path)?.major_version()? == MajorVersion::FMI2 {
             let import: Fmi2Import = import::from_path(path)?;
-            return Ok(Self::Fmi2(
-                import.instantiate_cs("unit", false, false)?,
-                import,
-            ));
+            let instance = import.instantiate_cs("unit", false, false)?;
+            return Ok(Self::Fmi2(Box::new(instance), Box::new(import)));
         }
         let import: Fmi3Import = import::from_path(path)?;
         // Without Event Mode and early return samples are taken inside the steps.
         let instance = import.instantiate_cs("unit", false, false, false, false, &[])?;
-        Ok(Self::Fmi3(instance, import))
+        Ok(Self::Fmi3(Box::new(instance), Box::new(import)))
     }
 }
 
@@ -89,7 +87,7 @@ impl Unit for Client {
         match self {
             Self::Fmi2(unit, _) => {
                 unit.setup_experiment(None, 0.0, None)?;
-                fmi2::Common::enter_initialization_mode(unit)?;
+                fmi2::Common::enter_initialization_mode(unit.as_mut())?;
             }
             Self::Fmi3(unit, _) => {
                 unit.enter_initialization_mode(None, 0.0, None)?;
@@ -101,7 +99,7 @@ impl Unit for Client {
     fn exit_initialization(&mut self) -> Outcome {
         match self {
             Self::Fmi2(unit, _) => {
-                fmi2::Common::exit_initialization_mode(unit)?;
+                fmi2::Common::exit_initialization_mode(unit.as_mut())?;
             }
             Self::Fmi3(unit, _) => {
                 unit.exit_initialization_mode()?;
