@@ -161,3 +161,40 @@ impl State {
             && lists.into_iter().flatten().all(|number| number.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_none_is_seen_wherever_it_stands() {
+        let state = State::new(1.0, &PlannerState::new(3, 0));
+        assert!(state.is_finite());
+        let edits: [fn(&mut State, f64); 10] = [
+            |s, x| s.angle = x,
+            |s, x| s.setpoint = Some(x),
+            |s, x| s.thermal_load = x,
+            |s, x| s.feedback.torque = x,
+            |s, x| s.origin.measured.velocity = x,
+            |s, x| s.reference.acceleration = x,
+            |s, x| s.command.torque = x,
+            |s, x| s.planner.moves[2] = x,
+            |s, x| s.planner.multipliers.upper[1] = x,
+            |s, x| {
+                s.pending = Some(Pending {
+                    sample: 1,
+                    acceleration: 0.0,
+                    goal: x,
+                    status: PlanStatus::Idle,
+                });
+            },
+        ];
+        for (index, edit) in edits.iter().enumerate() {
+            for bad in [f64::NAN, f64::INFINITY] {
+                let mut edited = state.clone();
+                edit(&mut edited, bad);
+                assert!(!edited.is_finite(), "edit {index}");
+            }
+        }
+    }
+}

@@ -74,6 +74,32 @@ impl Plant {
         self.count(reached.saturating_sub(self.state.samples));
     }
 
+    /// From sample instant to sample instant, under the torques of motor and disturbance \[N·m\].
+    fn integrate(&mut self, [torque, disturbance_torque]: [f64; 2], from: f64, to: f64) {
+        self.count_until(from);
+        let mut time = from;
+        while time < to {
+            let boundary = self.instant(self.state.samples.saturating_add(1));
+            // Where time is too coarse to show a sample, the rest is one piece.
+            let reaches_boundary = time < boundary && boundary < to - 1e-3 * self.sample_period;
+            let end = if reaches_boundary { boundary } else { to };
+            self.state.motion = plant::step(
+                &self.arm,
+                &self.motor,
+                &self.state.motion,
+                torque,
+                disturbance_torque,
+                end - time,
+            );
+            if reaches_boundary {
+                self.count(1);
+            } else {
+                self.count_until(end);
+            }
+            time = end;
+        }
+    }
+
     fn publish_violations(&mut self, variables: &mut Variables) {
         let count = std::mem::take(&mut self.state.unpublished);
         variables.violations = variables.violations.saturating_add(count);
@@ -201,28 +227,7 @@ impl Unit for Plant {
             }
         }
         let torque = self.motor_torque(variables.torque);
-        self.count_until(from);
-        let mut time = from;
-        while time < to {
-            let boundary = self.instant(self.state.samples.saturating_add(1));
-            // Where time is too coarse to show a sample, the rest is one piece.
-            let reaches_boundary = time < boundary && boundary < to - 1e-3 * self.sample_period;
-            let end = if reaches_boundary { boundary } else { to };
-            self.state.motion = plant::step(
-                &self.arm,
-                &self.motor,
-                &self.state.motion,
-                torque,
-                variables.disturbance_torque,
-                end - time,
-            );
-            if reaches_boundary {
-                self.count(1);
-            } else {
-                self.count_until(end);
-            }
-            time = end;
-        }
+        self.integrate([torque, variables.disturbance_torque], from, to);
         self.publish_violations(variables);
         let Motion {
             angle,
@@ -411,5 +416,18 @@ mod tests {
         let mut derivatives = [0.0; 4];
         plant.derivatives(&variables, &mut derivatives);
         assert!(derivatives[1].is_nan());
+    }
+
+    /// Found by fuzzing: both ran on from such states.
+    #[test]
+    fn states_that_no_plant_has_are_refused_or_overcome() {
+        let mut plant = Plant::new(&mut Variables::default(), -1e300).unwrap();
+        assert!(Plant::is_admissible(plant.state()));
+        let mut state = plant.state().clone();
+        state.motion.hysteresis = f64::NAN;
+        assert!(!Plant::is_admissible(&state));
+        // So long after the start no sample can be counted, and the step must end all the same.
+        plant.integrate([0.0; 2], 0.0, 0.001);
+        assert!(Plant::is_admissible(plant.state()));
     }
 }
