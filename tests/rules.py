@@ -27,5 +27,5 @@ RULES = {
     "save": ("IKNSECT", "A"),
     "restore": ("IKNSECT", ""),
     "reset": ("IKNSECAT", ""),
-    "terminate": ("SECA", ""),
+    "terminate": ("SECA", "K"),
 }

@@ -138,7 +138,7 @@ pub(crate) mod fmi3 {
     pub(crate) const EXIT_CONFIGURATION:   Row = row("- + - - - - - - - -");
     pub(crate) const ENTER_INITIALIZATION: Row = row("+ - - - - - - - - -");
     pub(crate) const EXIT_INITIALIZATION:  Row = row("- - + - - - - - - -");
-    pub(crate) const TERMINATE:            Row = row("~ ~ ~ + + + - + ~ ~");
+    pub(crate) const TERMINATE:            Row = row("~ - ~ + + + - + ~ ~");
     pub(crate) const RESET:                Row = row("+ + + + + + - + + +");
     pub(crate) const GET:                  Row = row("~ ~ + + + + + + + +");
     pub(crate) const SET:                  Row = row("+ + + + + + - + ~ -");

@@ -80,7 +80,7 @@ const EXPECTED: [(&str, Call, &str); 23] = [
         Session::exit_initialization,
         "--+-----",
     ),
-    ("Terminate", Session::terminate, "~~~+++~~"),
+    ("Terminate", Session::terminate, "~-~+++~~"),
     ("Reset", Session::reset, "++++++++"),
     ("Get", |s| s.get_reals(&[X], &mut [0.0]), "~~++++++"),
     ("Set", |s| s.set(U, 1.0), "+-++++~-"),
