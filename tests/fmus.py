@@ -106,7 +106,8 @@ class Instance:
             elements = [n for n in self.variables if re.fullmatch(re.escape(name) + r"\[\d+\]", n)]
             return [self.get(n) for n in elements]
         variable = self.variables[name]
-        return self.fmu.getFloat64([variable.valueReference], nValues=variable.dimensions[0].start)
+        # As long as its structural parameter says, which nobody changes here.
+        return self.fmu.getFloat64([variable.valueReference], nValues=variable.shape[0])
 
     def set(self, name: str, value) -> None:
         """Set a scalar, or in FMI 3.0 an element of an array."""
