@@ -7,6 +7,7 @@ makes both before it calls pytest.
 import json
 import os
 import subprocess
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,16 @@ def fmu(version: str, unit: str) -> Path:
     path = DIST / version / f"{unit}.fmu"
     assert path.is_file(), f"{path} is missing: run `cargo xtask package`"
     return path
+
+
+def edited(source: Path, target: Path, edit) -> Path:
+    """The same archive, of each entry what `edit` makes of its name and bytes; None leaves it out."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            data = edit(name, old.read(name))
+            if data is not None:
+                new.writestr(name, data)
+    return target
 
 
 def golden(name: str) -> dict:

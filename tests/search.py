@@ -15,7 +15,8 @@ import sys
 from pathlib import Path
 
 from abi import Fmu
-from calls import Failed, Sequence
+from called import Failed
+from calls import Sequence
 
 # Seconds that a sequence may take; one takes milliseconds.
 PATIENCE = 60

@@ -5,12 +5,11 @@ enumerations, and none of them loads the binary.
 """
 
 import re
-import zipfile
 
 import pytest
 from fmpy.validation import validate_fmu
 
-from conftest import fmu
+from conftest import edited, fmu
 from test_bad_input import refused
 
 
@@ -85,25 +84,24 @@ DEFECTS = {
 }
 
 
-def broken(version: str, unit: str, edit, folder):
-    """A package with another description, or without binaries."""
-    path = folder / f"{unit}.fmu"
-    with zipfile.ZipFile(fmu(version, unit)) as source, zipfile.ZipFile(path, "w") as package:
-        for name in source.namelist():
-            data = source.read(name)
-            if name == "modelDescription.xml" and edit:
-                text = data.decode()
-                data = edit(text).encode()
-                assert data.decode() != text
-            if edit or not name.startswith("binaries/"):
-                package.writestr(name, data)
-    return path
+def broken(edit):
+    """An edit of a package: another description, or no binaries."""
+
+    def entry(name: str, data: bytes) -> bytes | None:
+        if name == "modelDescription.xml" and edit:
+            text = edit(data.decode()).encode()
+            assert text != data
+            return text
+        return None if name.startswith("binaries/") and not edit else data
+
+    return entry
 
 
 @pytest.mark.parametrize("defect", DEFECTS)
 def test_a_broken_fmu_is_refused_by_name(flexarm, version, defect, tmp_path):
     unit, edit, names, seen_by_fmpy = DEFECTS[defect]
-    path = broken(version, f"FlexArm{unit}", edit, tmp_path)
+    name = f"FlexArm{unit}"
+    path = edited(fmu(version, name), tmp_path / f"{name}.fmu", broken(edit))
     message = refused(flexarm, tmp_path, **{unit.lower(): path})
     assert all(name in message for name in [str(path), *names]), message
     if "variable" in message:

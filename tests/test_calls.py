@@ -2,9 +2,11 @@
 
 import pytest
 
-import calls
 from abi import Fmu
+from called import Failed
+from calls import Sequence
 from conftest import fmu
+from rules import RULES
 from search import run
 
 
@@ -23,8 +25,8 @@ def test_random_calls_find_nothing(version, unit):
 )
 def test_a_broken_rule_would_be_found(monkeypatch, unit, rule, broken, found):
     """The search itself: rules that no FMU keeps are broken in the first sequences."""
-    monkeypatch.setitem(calls.RULES, rule, broken)
+    monkeypatch.setitem(RULES, rule, broken)
     library = Fmu(fmu("fmi3", f"FlexArm{unit}"))
-    with pytest.raises(calls.Failed, match=found):
+    with pytest.raises(Failed, match=found):
         for seed in range(100):
-            calls.Sequence(library, seed).run()
+            Sequence(library, seed).run()

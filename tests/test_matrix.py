@@ -10,7 +10,6 @@ import os
 import subprocess
 import sys
 import sysconfig
-import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -21,7 +20,7 @@ from lxml import etree
 
 from bare import BareCoSimulation
 from cases import CASES
-from conftest import DIST, ROOT, UNITS, VERSIONS, fmu, run
+from conftest import DIST, ROOT, UNITS, VERSIONS, edited, fmu, run
 from exchange import ExchangeLoop
 from fmus import CoSimulation, EventfulCoSimulation
 from score import score
@@ -119,7 +118,7 @@ with EcosSimulation(ssp_path="closed.ssp", step_size=0.00025) as simulation:
 def structure_by_ecos(row: Row, folder: Path) -> float:
     """ecos with a system structure, whose inputs it is given step by step."""
     case = CASES[row.case]
-    closed(system(row.version), folder / "closed.ssp")
+    edited(system(row.version), folder / "closed.ssp", closed)
     setpoints = json.dumps([(k, setpoint) for k, (setpoint, _) in case.inputs.items()])
     command = [sys.executable, "-c", ECOS, str(case.samples), setpoints]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
@@ -142,29 +141,23 @@ def crates() -> Path:
     return built / "release"
 
 
-def without_units(source: Path, target: Path) -> Path:
-    """The same without units: the crate fmi 0.8 knows neither `unit` nor the ampere in FMI 3.0."""
-    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            data = old.read(name)
-            if name == "modelDescription.xml":
-                tree = etree.fromstring(data)
-                tree.remove(tree.find("UnitDefinitions"))
-                for variable in tree.iterfind("ModelVariables/*[@unit]"):
-                    del variable.attrib["unit"]
-                data = etree.tostring(tree)
-            new.writestr(name, data)
-    return target
+def without_units(name: str, data: bytes) -> bytes:
+    """An FMU without units: the crate fmi 0.8 knows neither `unit` nor the ampere in FMI 3.0."""
+    if name != "modelDescription.xml":
+        return data
+    tree = etree.fromstring(data)
+    tree.remove(tree.find("UnitDefinitions"))
+    for variable in tree.iterfind("ModelVariables/*[@unit]"):
+        del variable.attrib["unit"]
+    return etree.tostring(tree)
 
 
 def by_crate(crates: Path, row: Row, folder: Path) -> float:
     """An importer in Rust."""
-    loop, units = (
-        folder / "loop.json",
-        [fmu(row.version, unit) for unit in ("FlexArmController", "FlexArmPlant")],
-    )
+    loop = folder / "loop.json"
+    units = [fmu(row.version, unit) for unit in ("FlexArmController", "FlexArmPlant")]
     if row.client == "fmi" and row.version == "fmi3":
-        units = [without_units(unit, folder / unit.name) for unit in units]
+        units = [edited(unit, folder / unit.name, without_units) for unit in units]
     loop.write_text(CASES[row.case].as_json(*units, row.order))
     return float(run(crates / f"client-{row.client}", loop).stdout)
 

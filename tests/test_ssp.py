@@ -13,7 +13,7 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from lxml import etree
 
-from conftest import DIST, ROOT, fmu, run
+from conftest import DIST, ROOT, edited, fmu, run
 from fmus import SAMPLE
 from test_foreign import wheel
 
@@ -132,26 +132,23 @@ def test_fmpy_runs_it(flexarm, tmp_path):
     assert difference < 2e-6
 
 
-def closed(source: Path, target: Path) -> None:
-    """The same without inputs and outputs of the root system, which ecos does not know."""
-    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
-        for name in old.namelist():
-            data = old.read(name)
-            if name == "SystemStructure.ssd":
-                tree = etree.fromstring(data)
-                root = tree.find("ssd:System", NAMESPACES)
-                tree.remove(tree.find("ssd:DefaultExperiment", NAMESPACES))
-                for outer in ("Connectors", "ParameterBindings"):
-                    root.remove(root.find(f"ssd:{outer}", NAMESPACES))
-                connections = root.find("ssd:Connections", NAMESPACES)
-                for connection in list(connections):
-                    if not {"startElement", "endElement"} <= set(connection.keys()):
-                        connections.remove(connection)
-                data = etree.tostring(tree)
-            if name == "resources/T-flex-controller.ssv":
-                start = b'<ssv:Parameter name="setpoint"><ssv:Real value="1.1"/></ssv:Parameter>'
-                data = data.replace(b"</ssv:Parameters>", start + b"</ssv:Parameters>")
-            new.writestr(name, data)
+def closed(name: str, data: bytes) -> bytes:
+    """A package without inputs and outputs of the root system, which ecos does not know."""
+    if name == "SystemStructure.ssd":
+        tree = etree.fromstring(data)
+        root = tree.find("ssd:System", NAMESPACES)
+        tree.remove(tree.find("ssd:DefaultExperiment", NAMESPACES))
+        for outer in ("Connectors", "ParameterBindings"):
+            root.remove(root.find(f"ssd:{outer}", NAMESPACES))
+        connections = root.find("ssd:Connections", NAMESPACES)
+        for connection in list(connections):
+            if not {"startElement", "endElement"} <= set(connection.keys()):
+                connections.remove(connection)
+        return etree.tostring(tree)
+    if name == "resources/T-flex-controller.ssv":
+        start = b'<ssv:Parameter name="setpoint"><ssv:Real value="1.1"/></ssv:Parameter>'
+        return data.replace(b"</ssv:Parameters>", start + b"</ssv:Parameters>")
+    return data
 
 
 # Its reader of FMI 3.0 frees a string of a description with clocks twice in the end: leave before.
@@ -169,7 +166,7 @@ with EcosSimulation(ssp_path="closed.ssp", step_size=0.00025) as simulation:
 
 def test_ecos_runs_it(flexarm, tmp_path, version):
     """A co-simulation tool that applies our parameter sets, with FMUs of both versions."""
-    closed(system(version), tmp_path / "closed.ssp")
+    edited(system(version), tmp_path / "closed.ssp", closed)
     command = [sys.executable, "-c", ECOS]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     if "libtbb" in done.stderr:

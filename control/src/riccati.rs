@@ -155,7 +155,8 @@ impl Equation<'_> {
     }
 }
 
-/// sign(H) by Newton's iteration with determinant scaling, to a power of two; None if H has eigenvalues on the imaginary axis.
+/// sign(H) by Newton's iteration with determinant scaling, to a power of two; None if H has eigenvalues on
+/// the imaginary axis.
 fn sign(mut h: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let order = h.nrows() as f64;
     let mut last_change = f64::INFINITY;
@@ -166,7 +167,7 @@ fn sign(mut h: DMatrix<f64>) -> Option<DMatrix<f64>> {
         if !determinant.is_finite() || determinant == 0.0 {
             return None;
         }
-        // The power of two nearest to |det|^(1/order): exact to scale by, and the same on every machine, as pow is not.
+        // About |det|^(1/order), as a power of two: exact to scale by, and the same on every machine.
         let exponent = ((determinant.to_bits() >> 52) & 0x7ff) as i32 - 1023;
         let power = (f64::from(exponent) / order).round() as i64;
         let mu = f64::from_bits(((1023 + power) as u64) << 52);

@@ -192,7 +192,7 @@ impl Controller {
         let command = self.control.sample_and_plan(angle, setpoint, plan);
         if !command.torque.is_finite() {
             return Err(Failure(format!(
-                "at {time} s the torque would be {} N.m: the last good one stays",
+                "at {time} s torque = {} N.m is not admissible: must be finite; the last good one stays",
                 command.torque
             )));
         }

@@ -7,6 +7,7 @@ use crate::variables::NmpcPlan;
 /// Writes a plan that begins `latency` \[s\] after the sample that made it, at as many points as the arrays
 /// have; N + 1 are the shooting nodes. O(points).
 pub fn publish(plan: &Plan, latency: f64, published: &mut NmpcPlan) {
+    // There are two or more, by the range of their number.
     let last = published.time.len() - 1;
     for k in 0..=last {
         // In intervals from the start; whole numbers come out exactly.

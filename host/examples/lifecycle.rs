@@ -7,7 +7,7 @@
 
 use host::Error;
 use host::fmu::{Causality, Experiment, Fmu, Instance, Scalar, Signals, Value};
-use host::input::parameters::{Assignment, StartValues};
+use host::input::parameters::{Assignment, ParameterSets, StartValues};
 use host::input::{Pair, Side};
 use std::path::Path;
 use std::process::ExitCode;
@@ -56,7 +56,7 @@ fn run(
         controller: description,
         plant: description,
     };
-    let values = StartValues::read(pair, &[], assignments)?.of(Side::Controller);
+    let values = StartValues::new(pair, &ParameterSets::read(&[])?, assignments)?.of(Side::Controller);
     let mut most = 0.0f64;
     for _ in 0..instances {
         let mut instance = fmu.instantiate("lifecycle", false)?;

@@ -101,6 +101,8 @@ fn a_state_can_be_saved_in_any_mode() {
             if kind == Kind::ModelExchange {
                 s.update_discrete().unwrap();
                 assert_eq!(s.enter_continuous_time(), OK);
+                // A solver may look back.
+                assert_eq!(s.set_time(-1.0), OK);
             }
             assert_eq!(s.save(&mut states[3]), OK);
             assert_eq!(s.terminate(), OK);
@@ -299,4 +301,24 @@ fn states_of_other_formats_models_or_ranges_are_named() {
     assert_eq!(s.deserialize(&signed(other), &mut read), ERROR);
     s.assert_error(&["tau = -0.3 s is outside"]);
     assert_eq!(s.free_state(&mut state), OK);
+}
+
+/// What the importer's solver gave is kept as it is; from elsewhere it is refused.
+#[test]
+fn a_state_that_is_no_number_is_not_read() {
+    for version in BOTH {
+        let s = Session::new(version, Kind::ModelExchange);
+        s.initialize(0.0, None);
+        s.update_discrete().unwrap();
+        assert_eq!(s.enter_continuous_time(), OK);
+        assert_eq!(s.set_states(&[f64::NAN]), OK);
+        let mut state = null_mut();
+        assert_eq!(s.save(&mut state), OK);
+        assert_eq!(s.restore(state), OK);
+        let mut read = null_mut();
+        assert_eq!(s.deserialize(&s.serialize(state), &mut read), ERROR);
+        s.assert_error(&["numbers that are not finite"]);
+        assert_eq!(s.set_states(&[1.0]), OK);
+        assert_eq!(s.free_state(&mut state), OK);
+    }
 }

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::fmu::Fmu;
 use crate::input::connections::Wiring;
 use crate::input::measurement::Signals;
-use crate::input::parameters::{Assignment, ParameterFile, StartValues};
+use crate::input::parameters::{Assignment, ParameterFile, ParameterSets, StartValues};
 use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Setpoints};
 use crate::input::{self, Pair, Place, Side};
@@ -80,10 +80,7 @@ impl<'a> Bench<'a> {
     pub(super) fn new(experiment: &'a Experiment) -> Result<Self, Error> {
         let controller = Fmu::open(&experiment.controller)?;
         let plant = Fmu::open(&experiment.plant)?;
-        let pair = Pair {
-            controller: controller.description(),
-            plant: plant.description(),
-        };
+        let pair = Pair::new(&controller, &plant);
         let option = Place::new("--controller", None);
         for name in ["reference.source", "feedback.law", "arm.inertia"] {
             if controller.description().scalar(name).is_err() {
@@ -99,7 +96,11 @@ impl<'a> Bench<'a> {
         }
         let wiring = Wiring::read(pair, experiment.connections.as_deref())?;
         complete(&wiring)?;
-        let values = StartValues::read(pair, &experiment.parameters, &experiment.assignments)?;
+        let values = StartValues::new(
+            pair,
+            &ParameterSets::read(&experiment.parameters)?,
+            &experiment.assignments,
+        )?;
         let range = range(experiment, pair, &values)?;
         let folder = tempfile::Builder::new()
             .prefix("flexarm-identify-")

@@ -12,7 +12,7 @@ pub mod setpoints;
 pub use error::Error;
 pub use place::Place;
 
-use crate::fmu::{Causality, Description, Kind, NameError, Scalar};
+use crate::fmu::{Causality, Description, Fmu, Kind, NameError, Scalar};
 use std::fmt;
 use std::path::Path;
 
@@ -49,6 +49,14 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
+    /// Of these FMUs.
+    pub fn new(controller: &'a Fmu, plant: &'a Fmu) -> Self {
+        Self {
+            controller: controller.description(),
+            plant: plant.description(),
+        }
+    }
+
     /// Of one of them.
     pub fn of(&self, side: Side) -> &'a Description {
         match side {

@@ -2,7 +2,7 @@
 
 use super::{Error, Pair, Place, Side, read_text, with_article};
 use crate::fmu::{Causality, Description, NameError, Scalar, Value, similar};
-use model_description::ssv;
+use model_description::ssv::{self, ParameterSet};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
@@ -92,23 +92,39 @@ pub struct StartValues {
     plant: BTreeMap<Scalar, Value>,
 }
 
+/// Parameter sets of files. Each file is read once: it may be a pipe.
+#[derive(Debug)]
+pub struct ParameterSets(Vec<(ParameterFile, ParameterSet)>);
+
+impl ParameterSets {
+    /// Reads all files in order.
+    pub fn read(files: &[ParameterFile]) -> Result<Self, Error> {
+        let set = |file: &ParameterFile| {
+            let text = read_text(&file.path)?;
+            let set = ssv::read(&text, &file.path.display().to_string());
+            Ok((file.clone(), set.map_err(Error::ParameterFile)?))
+        };
+        files.iter().map(set).collect::<Result<_, _>>().map(Self)
+    }
+}
+
 impl StartValues {
-    /// Reads all files in order, then takes the assignments.
-    pub fn read(
+    /// Takes all sets in order, then the assignments.
+    pub fn new(
         pair: Pair<'_>,
-        files: &[ParameterFile],
+        sets: &ParameterSets,
         assignments: &[Assignment],
     ) -> Result<Self, Error> {
-        Self::read_where(pair, files, assignments, |_| true)
+        Self::of_those(pair, sets, assignments, |_| true)
     }
 
     /// The values of structural parameters alone: elements of arrays have names only when the sizes are known.
     pub fn structure(
         pair: Pair<'_>,
-        files: &[ParameterFile],
+        sets: &ParameterSets,
         assignments: &[Assignment],
     ) -> Result<Self, Error> {
-        Self::read_where(pair, files, assignments, |name| {
+        Self::of_those(pair, sets, assignments, |name| {
             Side::BOTH.iter().any(|&side| {
                 let description = pair.of(side);
                 let bare = name.strip_prefix(&format!("{side}.")).unwrap_or(name);
@@ -121,17 +137,15 @@ impl StartValues {
         })
     }
 
-    fn read_where(
+    fn of_those(
         pair: Pair<'_>,
-        files: &[ParameterFile],
+        sets: &ParameterSets,
         assignments: &[Assignment],
         wanted: impl Fn(&str) -> bool,
     ) -> Result<Self, Error> {
         let mut values = Self::default();
-        for file in files {
-            let text = read_text(&file.path)?;
+        for (file, set) in &sets.0 {
             let name = file.path.display().to_string();
-            let set = ssv::read(&text, &name).map_err(Error::ParameterFile)?;
             for parameter in set.parameters.iter().filter(|p| wanted(&p.name)) {
                 let place = Place::new(name.clone(), Some(parameter.line.into()));
                 let text = parameter.value.to_string();

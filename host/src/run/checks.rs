@@ -205,6 +205,7 @@ pub(crate) fn size(rows: usize, columns: usize) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::parameters::ParameterSets;
     use crate::input::setpoints::{Row, Setpoints};
     use crate::input::tests::contract;
 
@@ -335,7 +336,7 @@ mod tests {
             plant: &plant,
         };
         let sets = ["sample_period=0.0005".parse().unwrap()];
-        let values = StartValues::read(pair, &[], &sets).unwrap();
+        let values = StartValues::new(pair, &ParameterSets::read(&[]).unwrap(), &sets).unwrap();
         assert!(periods(pair, &values, 0.0005).is_empty());
         let coarse = periods(pair, &values, 0.001);
         assert_eq!(coarse.len(), 1);

@@ -10,7 +10,7 @@ use super::{Outcome, Simulation, checks};
 use crate::Error;
 use crate::fmu::{Experiment, Fmu, Instance};
 use crate::input::connections::{Source, Wiring};
-use crate::input::parameters::StartValues;
+use crate::input::parameters::{ParameterSets, StartValues};
 use crate::input::roles::Role;
 use crate::input::setpoints::{AngleLimits, Table};
 use crate::input::{Pair, Side};
@@ -33,12 +33,10 @@ pub struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     /// Reads and checks what the user gave, without an instance of either FMU.
     pub fn new(simulation: &'a Simulation, controller: &Fmu, plant: &Fmu) -> Result<Self, Error> {
-        let [controller, plant] = configured(simulation, controller, plant)?;
-        let pair = Pair {
-            controller: controller.description(),
-            plant: plant.description(),
-        };
-        let values = StartValues::read(pair, &simulation.parameters, &simulation.assignments)?;
+        let sets = ParameterSets::read(&simulation.parameters)?;
+        let [controller, plant] = configured(simulation, &sets, [controller, plant])?;
+        let pair = Pair::new(&controller, &plant);
+        let values = StartValues::new(pair, &sets, &simulation.assignments)?;
         let wiring = Wiring::read(pair, simulation.connections.as_deref())?;
         let limits = angle_limits(pair, &values);
         let table = match &simulation.setpoints {
@@ -63,10 +61,7 @@ impl<'a> Prepared<'a> {
 
     /// Descriptions of both FMUs.
     pub fn pair(&self) -> Pair<'_> {
-        Pair {
-            controller: self.controller.description(),
-            plant: self.plant.description(),
-        }
+        Pair::new(&self.controller, &self.plant)
     }
 
     /// Values that parameters will have.
@@ -128,10 +123,7 @@ impl<'a> Prepared<'a> {
             table,
             steps,
         } = self;
-        let pair = Pair {
-            controller: controller.description(),
-            plant: plant.description(),
-        };
+        let pair = Pair::new(&controller, &plant);
         let end = steps as f64 * simulation.step;
         let experiment = Experiment {
             stop: Some(end),
@@ -275,12 +267,13 @@ impl<'a> Prepared<'a> {
 }
 
 /// Both FMUs with the structural parameters that the user gave.
-fn configured(simulation: &Simulation, controller: &Fmu, plant: &Fmu) -> Result<[Fmu; 2], Error> {
-    let pair = Pair {
-        controller: controller.description(),
-        plant: plant.description(),
-    };
-    let structure = StartValues::structure(pair, &simulation.parameters, &simulation.assignments)?;
+fn configured(
+    simulation: &Simulation,
+    sets: &ParameterSets,
+    [controller, plant]: [&Fmu; 2],
+) -> Result<[Fmu; 2], Error> {
+    let pair = Pair::new(controller, plant);
+    let structure = StartValues::structure(pair, sets, &simulation.assignments)?;
     Ok([
         controller.configured(&structure.of(Side::Controller))?,
         plant.configured(&structure.of(Side::Plant))?,

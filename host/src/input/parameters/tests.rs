@@ -11,7 +11,9 @@ fn read(files: &[ParameterFile], sets: &[&str]) -> Result<(StartValues, Vec<f64>
         plant: &plant,
     };
     let sets: Vec<_> = sets.iter().map(|s| s.parse().unwrap()).collect();
-    let values = StartValues::read(pair, files, &sets).map_err(|e| e.to_string())?;
+    let values = ParameterSets::read(files)
+        .and_then(|read| StartValues::new(pair, &read, &sets))
+        .map_err(|e| e.to_string())?;
     let numbers = [
         (Side::Controller, "arm.inertia"),
         (Side::Plant, "arm.inertia"),
