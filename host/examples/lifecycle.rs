@@ -56,7 +56,8 @@ fn run(
         controller: description,
         plant: description,
     };
-    let values = StartValues::new(pair, &ParameterSets::read(&[])?, assignments)?.of(Side::Controller);
+    let values =
+        StartValues::new(pair, &ParameterSets::read(&[])?, assignments)?.of(Side::Controller);
     let mut most = 0.0f64;
     for _ in 0..instances {
         let mut instance = fmu.instantiate("lifecycle", false)?;

@@ -13,16 +13,6 @@ thread_local! {
     pub static WORK: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
 }
 
-/// Values of `behaviour`.
-pub const NORMAL: i64 = 1;
-pub const FAIL_IN_EVENT: i64 = 2;
-pub const PANIC_IN_EVENT: i64 = 3;
-pub const STUCK: i64 = 4;
-pub const PANIC_IN_NEW: i64 = 5;
-pub const PANIC_IN_OUTPUTS: i64 = 6;
-pub const PANIC_IN_DROP: i64 = 7;
-pub const FAIL_IN_ADVANCE: i64 = 8;
-
 /// u times each weight.
 fn ramp(u: f64, weight: &[f64], ramp: &mut [f64]) {
     for (value, weight) in ramp.iter_mut().zip(weight) {

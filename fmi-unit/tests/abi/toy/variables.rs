@@ -25,6 +25,16 @@ pub const TWICE: u32 = 24;
 pub const FAST: u32 = 30;
 pub const SLOW: u32 = 31;
 
+/// Values of `behaviour`.
+pub const NORMAL: i64 = 1;
+pub const FAIL_IN_EVENT: i64 = 2;
+pub const PANIC_IN_EVENT: i64 = 3;
+pub const STUCK: i64 = 4;
+pub const PANIC_IN_NEW: i64 = 5;
+pub const PANIC_IN_OUTPUTS: i64 = 6;
+pub const PANIC_IN_DROP: i64 = 7;
+pub const FAIL_IN_ADVANCE: i64 = 8;
+
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToyVariables {
     pub u: f64,
