@@ -3,12 +3,15 @@
 import csv
 import itertools
 import json
+import math
+import os
 import subprocess
+import threading
 from pathlib import Path
 
 import pytest
 
-from conftest import DIST, fmu, golden
+from conftest import DIST, fmu, golden, run
 from test_disturbance import GOLDEN as TABLE_3
 from test_disturbance import settings
 
@@ -89,3 +92,18 @@ def test_profile_tracks_setpoints(flexarm, tmp_path, index):
     run, summary = track(flexarm, tmp_path, "pendulum", index, "fmi3", *arguments)
     (profile,) = run["profile"].values()
     assert summary["score"]["squared_error_rad2"] == pytest.approx(profile["cost"], rel=0.01)
+
+
+def test_a_parameter_file_may_be_a_pipe(flexarm, tmp_path):
+    """As `--parameters <(...)` in a shell: it can be read once."""
+    text, pipe = (DIST / "parameters" / "pendulum.ssv").read_text(), tmp_path / "pipe.ssv"
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=pipe.write_text, args=[text], daemon=True)
+    writer.start()
+    pair = ["--controller", fmu("fmi3", "FlexArmController"), "--plant", fmu("fmi3", "FlexArmPlant")]
+    words = [flexarm, "simulate", *pair, "--parameters", pipe, "--until", 0.01, "-o", tmp_path / "out"]
+    # Read twice, it would wait for ever.
+    run(*words, timeout=60)
+    header, first = (tmp_path / "out" / "results.csv").read_text().splitlines()[:2]
+    angle = dict(zip(header.split(","), first.split(","), strict=True))["plant.angle"]
+    assert float(angle) == pytest.approx(math.pi / 4), "that of the pendulum"

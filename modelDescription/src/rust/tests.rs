@@ -18,7 +18,7 @@ fn generated(text: &str) -> String {
     generate(&read(text, "t.xml").unwrap())
 }
 
-const VALID: &str = include_str!("../tests/valid.xml");
+const VALID: &str = include_str!("../../tests/valid.xml");
 
 #[test]
 fn groups_become_structs_with_start_values() {
