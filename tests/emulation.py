@@ -21,9 +21,9 @@ HOSTS = {
 ARM_SYSTEM = os.environ.get("QEMU_LD_PREFIX", "/usr/aarch64-linux-gnu")
 
 
-def run(*command, env: dict | None = None) -> str:
+def run(*command, **options) -> str:
     """What a program prints."""
-    return conftest.run(*command, env=env, timeout=600).stdout
+    return conftest.run(*command, timeout=600, **options).stdout
 
 
 @pytest.fixture(scope="session")
@@ -41,7 +41,7 @@ def wine(all_platforms, tmp_path_factory):
         pytest.skip("wine is missing: it is in Debian's packages wine and wine64")
     quiet = {"WINEPREFIX": str(tmp_path_factory.mktemp("wine")), "WINEDEBUG": "-all"}
     environment = os.environ | quiet | {"WINEDLLOVERRIDES": "mscoree,mshtml="}  # no offers to install these
-    yield lambda *command: run("wine", *command, env=environment)
+    yield lambda *command, **options: run("wine", *command, env=environment, **options)
     subprocess.run(["wineserver", "-k"], env=environment, check=False)
 
 
@@ -52,7 +52,7 @@ def qemu(all_platforms):
         pytest.skip("qemu-aarch64 is missing: it is in Debian's package qemu-user")
     if not Path(ARM_SYSTEM, "lib").is_dir():
         pytest.skip("an ARM system's libraries are missing: they are in Debian's package libc6-arm64-cross")
-    return lambda *command: run("qemu-aarch64", "-L", ARM_SYSTEM, *command)
+    return lambda *command, **options: run("qemu-aarch64", "-L", ARM_SYSTEM, *command, **options)
 
 
 @pytest.fixture(scope="session")
