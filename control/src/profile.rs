@@ -55,7 +55,7 @@ impl Profile {
             };
         }
         let time = state.samples as f64 * self.sample_period;
-        state.samples += 1;
+        state.samples = state.samples.saturating_add(1);
         self.at(state.start, state.goal, time)
     }
 

@@ -7,6 +7,9 @@ use crate::nmpc::solver::Multipliers;
 use crate::planning::Origin;
 use crate::{Reference, feedback, profile};
 
+/// Samples that can be told apart as instants; at 4 kHz they last for 70 000 years.
+const MOST_SAMPLES: u64 = 1 << 53;
+
 /// Result of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Command {
@@ -104,8 +107,20 @@ impl State {
         }
     }
 
-    /// Whether every number is one: what a state from elsewhere must be checked for.
-    pub fn is_finite(&self) -> bool {
+    /// Whether a controller can be in this state: what one from elsewhere must be checked for.
+    pub fn is_admissible(&self) -> bool {
+        self.is_finite() && self.is_in_order()
+    }
+
+    /// Whether nothing that was counted comes after the samples taken, and counting can go on.
+    fn is_in_order(&self) -> bool {
+        let counts = [self.measured, self.origin.sample, self.in_force];
+        let within = self.samples.max(self.next_plan) <= MOST_SAMPLES;
+        within && counts.iter().all(|&count| count <= self.samples)
+    }
+
+    /// Whether every number is one.
+    fn is_finite(&self) -> bool {
         let Origin {
             measured,
             acceleration,
@@ -169,7 +184,7 @@ mod tests {
     #[test]
     fn a_number_that_is_none_is_seen_wherever_it_stands() {
         let state = State::new(1.0, &PlannerState::new(3, 0));
-        assert!(state.is_finite());
+        assert!(state.is_admissible());
         let edits: [fn(&mut State, f64); 10] = [
             |s, x| s.angle = x,
             |s, x| s.setpoint = Some(x),
@@ -193,7 +208,27 @@ mod tests {
             for bad in [f64::NAN, f64::INFINITY] {
                 let mut edited = state.clone();
                 edit(&mut edited, bad);
-                assert!(!edited.is_finite(), "edit {index}");
+                assert!(!edited.is_admissible(), "edit {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_comes_after_the_samples_taken_is_seen() {
+        let mut state = State::new(1.0, &PlannerState::new(3, 0));
+        state.samples = 7;
+        let edits: [fn(&mut State, u64); 5] = [
+            |s, n| s.measured = n,
+            |s, n| s.origin.sample = n,
+            |s, n| s.in_force = n,
+            |s, n| s.samples = if n > 7 { u64::MAX } else { n },
+            |s, n| s.next_plan = if n > 7 { u64::MAX } else { n },
+        ];
+        for (index, edit) in edits.iter().enumerate() {
+            for (count, expected) in [(7, true), (8, false)] {
+                let mut edited = state.clone();
+                edit(&mut edited, count);
+                assert_eq!(edited.is_admissible(), expected, "edit {index}");
             }
         }
     }

@@ -122,7 +122,9 @@ impl<U: Unit> Snapshot<U> {
         }
         if !snapshot.state.as_ref().is_none_or(U::is_admissible) {
             return Err(Failure(
-                "the serialized state holds numbers that are not finite".into(),
+                "the serialized state is none that this model can be in: it holds numbers that are not finite, \
+                 or counts that contradict each other"
+                    .into(),
             ));
         }
         check_parameters(&snapshot.situation.variables)?;

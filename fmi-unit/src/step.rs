@@ -4,6 +4,9 @@ use crate::instance::{Instance, Interface, rounding};
 use crate::legality::Mode;
 use crate::unit::{Failure, Unit};
 
+/// Events closer than this to the end of any step belong to the next one \[s\].
+const MOST_TOLERANCE: f64 = 1e-7;
+
 /// A communication step under way.
 #[derive(Debug)]
 pub(crate) struct Step {
@@ -71,6 +74,13 @@ impl<U: Unit> Instance<U> {
                 "step from {point} s, but the last one ended at {time} s"
             )));
         }
+        // Whatever else is overdue would be made up for, event by event, before the step ends.
+        let next = self.next_event()?;
+        if next < point - slack - MOST_TOLERANCE {
+            return Err(Failure(format!(
+                "step from {point} s: the event at {next} s was never carried out; this is no state that steps lead to"
+            )));
+        }
         if let Some(stop) = self.now.stop
             && end > stop + slack + rounding(stop)
         {
@@ -80,7 +90,7 @@ impl<U: Unit> Instance<U> {
         }
         Ok(Step {
             end: end.max(time),
-            tolerance: f64::min(1e-3 * size, 1e-7) + rounding(end),
+            tolerance: f64::min(1e-3 * size, MOST_TOLERANCE) + rounding(end),
             shortened: false,
             may_end_early: self.early_return_allowed,
             ends_at_events: self.handles_events() && self.early_return_allowed,

@@ -88,7 +88,7 @@ impl Unit for Controller {
     }
 
     fn is_admissible(state: &State) -> bool {
-        state.is_finite()
+        state.is_admissible()
     }
 
     fn set_state(&mut self, state: &State) -> Result<(), Failure> {

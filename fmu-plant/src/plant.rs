@@ -202,7 +202,7 @@ impl Unit for Plant {
         if time >= self.next_event() - 1e-3 * self.sample_period {
             self.state.noise_current =
                 self.noise.standard_deviation * standard_normal(self.noise.seed, self.state.draws);
-            self.state.draws += 1;
+            self.state.draws = self.state.draws.saturating_add(1);
         }
         Ok(())
     }

@@ -1,6 +1,9 @@
-//! What the fuzz targets share. Each gives bytes that may be anything to one reader, by its public interface: it
-//! must return, with a value or with an error that can be shown.
+//! The fuzz targets. Each gives bytes that may be anything to one reader, by its public interface: it must return,
+//! with a value or with an error that can be shown.
+//!
+//! `fuzz_targets/` hands them to libFuzzer (`cargo xtask fuzz`), `tests/` some inputs of each in every test run.
 
+pub mod readers;
 pub mod snapshot;
 
 use host::fmu::Fmu;
@@ -20,11 +23,11 @@ const DESCRIPTIONS: [&[u8]; 2] = [
     include_bytes!("../../modelDescription/plant.xml"),
 ];
 
-/// A file with this content; the next call with its name overwrites it.
+/// A file with this content; the next call of this thread with its name overwrites it.
 pub fn file(name: &str, content: &[u8]) -> PathBuf {
-    static FOLDER: OnceLock<TempDir> = OnceLock::new();
-    let folder = FOLDER.get_or_init(|| TempDir::new().expect("a temporary folder"));
-    let path = folder.path().join(name);
+    // One for each thread: tests run side by side.
+    thread_local!(static FOLDER: TempDir = TempDir::new().expect("a temporary folder"));
+    let path = FOLDER.with(|folder| folder.path().join(name));
     std::fs::write(&path, content).expect("a temporary file");
     path
 }

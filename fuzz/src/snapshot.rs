@@ -1,4 +1,5 @@
-//! Serialized states that were changed behind their check sum.
+//! Serialized states that were changed behind their check sum. One unit in a program: each defines the same
+//! functions of the standard.
 
 #![allow(non_upper_case_globals, reason = "the names are the standard's")]
 
@@ -146,8 +147,8 @@ impl<U: Unit> Drop for Instance<U> {
 }
 
 /// A valid state is edited as `script` says, in words of five bytes (operation, position, value), and what is
-/// accepted runs on for some samples.
-pub fn go_on_from<U: Unit>(script: &[u8]) {
+/// accepted runs on for some samples; whether it was.
+pub fn go_on_from<U: Unit>(script: &[u8]) -> bool {
     thread_local!(static VALID: std::cell::RefCell<Vec<Vec<u8>>> = const { std::cell::RefCell::new(Vec::new()) });
     let valid = VALID.with_borrow_mut(|valid| {
         if valid.is_empty() {
@@ -163,7 +164,7 @@ pub fn go_on_from<U: Unit>(script: &[u8]) {
         valid.clone()
     });
     let Some((first, script)) = script.split_first() else {
-        return;
+        return false;
     };
     let base = usize::from(*first) % valid.len();
     let mut content = valid[base].clone();
@@ -173,14 +174,14 @@ pub fn go_on_from<U: Unit>(script: &[u8]) {
 
     let instance = Instance::<U>::new();
     if !instance.restore(&content) {
-        return;
+        return false;
     } else if base == 0 {
         // SAFETY: the instance is alive.
         unsafe {
             if fmi3EnterInitializationMode::<U>(instance.0, 0, 0.0, 0.0, 0, 0.0) != fmi3OK
                 || fmi3ExitInitializationMode::<U>(instance.0) != fmi3OK
             {
-                return;
+                return true;
             }
         }
     }
@@ -189,10 +190,11 @@ pub fn go_on_from<U: Unit>(script: &[u8]) {
         let status = instance.step(f64::from(k) * STEP);
         assert_ne!(status, fmi3Fatal);
         if status > fmi3Warning {
-            return;
+            break;
         }
         instance.check_outputs();
     }
+    true
 }
 
 fn edit(content: &mut Vec<u8>, script: &[u8]) {

@@ -26,7 +26,14 @@ const TARGETS: [(&str, Seeds); 8] = [
     ("parameters", &[("modelDescription/parameters", ".ssv")]),
     ("snapshot_controller", &[]),
     ("snapshot_plant", &[]),
-    ("structure", &[("dist", ".ssd"), ("dist/ssp", ".ssd")]),
+    (
+        "structure",
+        &[
+            ("fuzz/seeds", ".ssd"),
+            ("dist", ".ssd"),
+            ("dist/ssp", ".ssd"),
+        ],
+    ),
     ("table", &[("packaging/assets", ".csv"), ("dist", ".csv")]),
     (
         "toml",
@@ -103,7 +110,12 @@ pub fn run(workspace: &Workspace, minutes: f64, wanted: &[String]) -> Result<(),
 fn cargo_fuzz(workspace: &Workspace, command: &str) -> std::process::Command {
     let mut cargo = crate::cargo::command(workspace);
     cargo.args(["fuzz", command, "--fuzz-dir", "fuzz", "-s", "none"]);
+    cargo.args(["--features", "libfuzzer"]);
     cargo.arg("--target-dir").arg(workspace.path(FOLDER));
+    // Built once, and looked at in what it prints.
+    cargo.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+    cargo.env("CARGO_PROFILE_RELEASE_DEBUG", "1");
+    cargo.env("CARGO_PROFILE_RELEASE_STRIP", "none");
     // Instrumentation is an unstable flag of a stable compiler.
     cargo.env("RUSTC_BOOTSTRAP", "1");
     cargo

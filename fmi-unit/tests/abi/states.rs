@@ -273,6 +273,33 @@ fn the_start_time_belongs_to_the_state() {
     }
 }
 
+/// A time that the unit's count of events knows nothing of: the step must not make up for all of them.
+#[test]
+fn a_state_whose_events_are_overdue_goes_nowhere() {
+    for version in BOTH {
+        let s = started(version);
+        assert_eq!(s.do_step(1.0, 0.1875), OK);
+        let mut state = null_mut();
+        assert_eq!(s.save(&mut state), OK);
+        let bytes = s.serialize(state);
+        let mut content = bytes[..bytes.len() - 8].to_vec();
+        let now = 1.1875_f64.to_le_bytes();
+        let time = content.windows(8).position(|w| w == now);
+        let time = time.expect("the time is in the state");
+        content[time..time + 8].copy_from_slice(&50.0_f64.to_le_bytes());
+        let mut late = null_mut();
+        assert_eq!(s.deserialize(&signed(content), &mut late), OK);
+        assert_eq!(s.restore(late), OK);
+        assert_eq!(s.do_step(50.0, 0.1), ERROR);
+        s.assert_error(&["was never carried out"]);
+        assert_eq!(s.restore(state), OK);
+        assert_eq!(s.do_step(1.1875, 0.1), OK);
+        for mut state in [state, late] {
+            assert_eq!(s.free_state(&mut state), OK);
+        }
+    }
+}
+
 #[test]
 fn states_of_other_formats_models_or_ranges_are_named() {
     let s = started(Version::Fmi3);
