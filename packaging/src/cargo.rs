@@ -46,7 +46,11 @@ pub fn products(mut cargo: Command, packages: &[&str], suffix: &str) -> Result<P
         .output()
         .map_err(|e| format!("{}: {e}", cargo.get_program().display()))?;
     if !output.status.success() {
-        return Err(format!("building {} failed", packages.join(", ")));
+        return Err(format!(
+            "building {} failed: {}",
+            packages.join(", "),
+            output.status
+        ));
     }
     let mut built = BTreeMap::new();
     for line in output.stdout.split(|b| *b == b'\n') {
