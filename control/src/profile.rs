@@ -28,9 +28,9 @@ pub struct State {
 }
 
 impl State {
-    /// Whether both angles are finite numbers.
-    pub(crate) fn is_finite(&self) -> bool {
-        self.start.is_finite() && self.goal.is_finite()
+    /// Both angles \[rad\].
+    pub(crate) fn angles(&self) -> [f64; 2] {
+        [self.start, self.goal]
     }
 
     /// At rest.

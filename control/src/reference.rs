@@ -14,14 +14,9 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Whether every component is a finite number.
-    pub fn is_finite(&self) -> bool {
-        let Self {
-            angle,
-            velocity,
-            acceleration,
-        } = self;
-        angle.is_finite() && velocity.is_finite() && acceleration.is_finite()
+    /// Every component.
+    pub(crate) fn numbers(&self) -> [f64; 3] {
+        [self.angle, self.velocity, self.acceleration]
     }
 
     /// At rest at `angle` \[rad\].

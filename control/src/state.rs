@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::nmpc::plan::{PlanStatus, PlannerState};
-use crate::nmpc::solver::Multipliers;
 use crate::planning::Origin;
 use crate::{Reference, feedback, profile};
 
+/// Far beyond what any arm does, and its fourth power, as in q_T·T², is still a number.
+const LARGEST_NUMBER: f64 = 1e60;
 /// Samples that can be told apart as instants; at 4 kHz they last for 70 000 years.
 const MOST_SAMPLES: u64 = 1 << 53;
 
@@ -109,7 +110,7 @@ impl State {
 
     /// Whether a controller can be in this state: what one from elsewhere must be checked for.
     pub fn is_admissible(&self) -> bool {
-        self.is_finite() && self.is_in_order()
+        self.is_within_bounds() && self.is_in_order()
     }
 
     /// Whether nothing that was counted comes after the samples taken, and counting can go on.
@@ -119,8 +120,8 @@ impl State {
         within && counts.iter().all(|&count| count <= self.samples)
     }
 
-    /// Whether every number is one.
-    fn is_finite(&self) -> bool {
+    /// Whether every number is one that can be worked with.
+    fn is_within_bounds(&self) -> bool {
         let Origin {
             measured,
             acceleration,
@@ -131,13 +132,17 @@ impl State {
         let Command {
             torque,
             current,
+            reference,
             feedforward_torque,
             feedback_torque,
             thermal_load,
             ..
         } = self.command;
-        let pending = self.pending.map(|plan| [plan.acceleration, plan.goal]);
-        let numbers = [
+        let pending = self.pending.map_or([0.0; 2], |p| [p.acceleration, p.goal]);
+        let PlannerState {
+            moves, multipliers, ..
+        } = &self.planner;
+        let own = [
             self.angle,
             self.setpoint.unwrap_or_default(),
             self.goal,
@@ -146,34 +151,24 @@ impl State {
             self.thermal_load,
             self.feedback.integral,
             self.feedback.torque,
-            acceleration,
-            goal,
-            setpoint,
-            torque,
-            current,
-            feedforward_torque,
-            feedback_torque,
-            thermal_load,
         ];
-        let Multipliers {
-            thermal,
-            lower,
-            upper,
-            ..
-        } = &self.planner.multipliers;
-        let lists: [&[f64]; 6] = [
-            &numbers,
-            pending.as_ref().map_or(&[], |plan| plan),
-            &self.planner.moves,
-            thermal,
-            lower,
-            upper,
+        let lists: [&[f64]; 13] = [
+            &own,
+            &self.reference.numbers(),
+            &self.profile.angles(),
+            &measured.numbers(),
+            &[acceleration, goal, setpoint],
+            &[torque, current, thermal_load],
+            &[feedforward_torque, feedback_torque],
+            &reference.numbers(),
+            &pending,
+            moves,
+            &multipliers.thermal,
+            &multipliers.lower,
+            &multipliers.upper,
         ];
-        measured.is_finite()
-            && self.reference.is_finite()
-            && self.command.reference.is_finite()
-            && self.profile.is_finite()
-            && lists.into_iter().flatten().all(|number| number.is_finite())
+        let mut numbers = lists.into_iter().flatten();
+        numbers.all(|number| number.abs() <= LARGEST_NUMBER)
     }
 }
 
@@ -205,7 +200,7 @@ mod tests {
             },
         ];
         for (index, edit) in edits.iter().enumerate() {
-            for bad in [f64::NAN, f64::INFINITY] {
+            for bad in [f64::NAN, f64::INFINITY, -1e61] {
                 let mut edited = state.clone();
                 edit(&mut edited, bad);
                 assert!(!edited.is_admissible(), "edit {index}");

@@ -273,6 +273,24 @@ pub(crate) fn check_parameters<V: Variables>(variables: &V) -> Result<(), Failur
     Ok(())
 }
 
+/// Whether every output is a number: an importer may read it before the next step makes it anew.
+pub(crate) fn check_outputs<V: Variables>(variables: &V) -> Result<(), Failure> {
+    let outputs = V::MODEL.variables.iter();
+    for variable in outputs.filter(|v| v.causality == Causality::Output) {
+        for index in 0..length(variables, variable) {
+            if let Element::Float64(value) = element(variables, variable, index)?
+                && !value.is_finite()
+            {
+                let name = Name(variable, index);
+                return Err(Failure(format!(
+                    "the serialized state gives {name} = {value}"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Whether all parameters of two sets of values are the same.
 pub(crate) fn same_parameters<V: Variables>(a: &V, b: &V) -> bool {
     V::MODEL

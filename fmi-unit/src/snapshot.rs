@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::access::{check_parameters, check_sizes, same_parameters};
+use crate::access::{check_outputs, check_parameters, check_sizes, same_parameters};
 use crate::instance::{Instance, Interface, Situation};
 use crate::legality::Mode;
 use crate::model::Variables;
@@ -122,12 +122,13 @@ impl<U: Unit> Snapshot<U> {
         }
         if !snapshot.state.as_ref().is_none_or(U::is_admissible) {
             return Err(Failure(
-                "the serialized state is none that this model can be in: it holds numbers that are not finite, \
-                 or counts that contradict each other"
+                "the serialized state is none that this model can be in: it holds numbers that are none or \
+                 far too large, or counts that contradict each other"
                     .into(),
             ));
         }
         check_parameters(&snapshot.situation.variables)?;
+        check_outputs(&snapshot.situation.variables)?;
         Ok(snapshot)
     }
 

@@ -52,8 +52,8 @@ pub trait Unit: Sized + Send + 'static {
     /// The state, for a snapshot.
     fn state(&self) -> &Self::State;
 
-    /// Whether a state that came from elsewhere can be one of this unit: its numbers are numbers, and its counts
-    /// agree with each other.
+    /// Whether a state that came from elsewhere can be one of this unit: its numbers are some that can be
+    /// worked with, and its counts agree with each other.
     fn is_admissible(state: &Self::State) -> bool {
         let _ = state;
         true

@@ -175,7 +175,9 @@ pub fn go_on_from<U: Unit>(script: &[u8]) -> bool {
     let instance = Instance::<U>::new();
     if !instance.restore(&content) {
         return false;
-    } else if base == 0 {
+    }
+    instance.check_outputs();
+    if base == 0 {
         // SAFETY: the instance is alive.
         unsafe {
             if fmi3EnterInitializationMode::<U>(instance.0, 0, 0.0, 0.0, 0, 0.0) != fmi3OK

@@ -11,6 +11,12 @@ fn a_measurement_after_the_last_sample_is_refused() {
     assert!(!go_on_from::<Controller>(&[167, 43, 91, 90, 37, 0, 255, 3]));
 }
 
+/// Found by libFuzzer: numbers whose squares are none.
+#[test]
+fn numbers_that_are_far_too_large_are_refused() {
+    assert!(!go_on_from::<Controller>(&[28, 17, 43, 35, 17, 73, 93]));
+}
+
 #[test]
 fn unchanged_states_are_accepted() {
     for base in 0..3 {

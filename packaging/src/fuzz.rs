@@ -65,7 +65,9 @@ pub fn run(workspace: &Workspace, minutes: f64, wanted: &[String]) -> Result<(),
     workspace
         .run(&mut build)
         .map_err(|error| format!("{error}\n`cargo install cargo-fuzz` installs what is needed"))?;
-    announce("Fuzzing");
+    announce(&format!(
+        "Fuzzing, {seconds} s each or until something is found"
+    ));
     let mut failed = Vec::new();
     for (target, seeds) in targets {
         let corpus = workspace.path(FOLDER).join("corpus").join(target);
@@ -95,7 +97,7 @@ pub fn run(workspace: &Workspace, minutes: f64, wanted: &[String]) -> Result<(),
             format!("see {}", log.display())
         };
         let executed = executed.map_or("?", str::trim);
-        eprintln!("{target:20} {executed:>12} inputs in {seconds} s: {outcome}");
+        eprintln!("{target:20} {executed:>12} inputs: {outcome}");
     }
     if failed.is_empty() {
         return Ok(());

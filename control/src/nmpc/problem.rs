@@ -158,8 +158,8 @@ pub struct Initial {
 }
 
 impl Initial {
-    /// Whether every component is a finite number.
-    pub fn is_finite(&self) -> bool {
+    /// Every component.
+    pub(crate) fn numbers(&self) -> [f64; 7] {
         [
             self.angle,
             self.velocity,
@@ -169,7 +169,10 @@ impl Initial {
             self.feedback_integral,
             self.thermal_load,
         ]
-        .iter()
-        .all(|x| x.is_finite())
+    }
+
+    /// Whether every component is a finite number.
+    pub fn is_finite(&self) -> bool {
+        self.numbers().iter().all(|x| x.is_finite())
     }
 }
