@@ -1,6 +1,8 @@
 """The C header of the Modelica package's controller, called as a Modelica tool calls it, against the FMU."""
 
 import ctypes
+import functools
+import os
 import re
 import subprocess
 
@@ -16,11 +18,13 @@ LIBRARIES = PACKAGE / "Resources" / "Library"
 INCLUDE = ["-I", STAND_IN, "-I", PACKAGE / "Resources" / "Include"]
 STRICT = ["-std=gnu99", "-Wall", "-Wextra", "-Werror", *INCLUDE]
 SAMPLES = 2000
-ZIG = ROOT / "target" / "toolchain" / "python" / "bin" / "python"
+# Where `cargo xtask test --platforms` keeps zig, and what it has built of its C libraries.
+TOOLCHAIN = ROOT / "target" / "toolchain"
 # By the fixture that runs their programs.
 TARGETS = {"wine": "x86_64-windows-gnu", "qemu": "aarch64-linux-gnu.2.17"}
 
 
+@functools.cache
 def constants() -> dict[str, list[int] | str]:
     """The constants of FlexArm.Internal.Contract."""
     text = (PACKAGE / "Internal" / "Contract.mo").read_text()
@@ -107,7 +111,7 @@ def short_horizon(unit: CoSimulation) -> dict[str, list]:
 
 
 def outputs_of_the_fmu(unit: CoSimulation, k: int) -> tuple[list[float], list[int]]:
-    """Takes a sample of [`operation`]."""
+    """Takes a sample of `operation`."""
     now, angle, setpoint = operation(k)
     unit.set("angle", angle)
     unit.set("setpoint", setpoint)
@@ -143,7 +147,11 @@ def test_the_header_works_on_other_platforms(request, emulator, tmp_path):
     run = request.getfixturevalue(emulator)
     program = tmp_path / "samples.exe"
     sources = [STAND_IN / "driver.c", STAND_IN / "samples.c"]
-    emulation.run(ZIG, "-m", "ziglang", "cc", "-target", TARGETS[emulator], *STRICT, *sources, "-o", program)
+    python = TOOLCHAIN / "python" / "bin" / "python"
+    assert python.is_file(), f"{python} is missing: run `cargo xtask test --platforms`"
+    compile_ = [python, "-m", "ziglang", "cc", "-target", TARGETS[emulator], *STRICT, *sources]
+    cache = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(TOOLCHAIN / "zig")}
+    emulation.run(*compile_, "-o", program, env=cache)
     contract = constants()
     with CoSimulation(fmu("fmi2", "FlexArmController")) as unit:
         values = short_horizon(unit)

@@ -113,7 +113,7 @@ impl State {
         self.is_within_bounds() && self.is_in_order()
     }
 
-    /// Whether nothing that was counted comes after the samples taken, and counting can go on.
+    /// Whether measurement, origin and plan in force are of samples that were taken, and counting can go on.
     fn is_in_order(&self) -> bool {
         let counts = [self.measured, self.origin.sample, self.in_force];
         let within = self.samples.max(self.next_plan) <= MOST_SAMPLES;

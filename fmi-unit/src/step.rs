@@ -4,7 +4,7 @@ use crate::instance::{Instance, Interface, rounding};
 use crate::legality::Mode;
 use crate::unit::{Failure, Unit};
 
-/// Events closer than this to the end of any step belong to the next one \[s\].
+/// An event is left to the next step only if it is at most this close to the end, rounding apart \[s\].
 const MOST_TOLERANCE: f64 = 1e-7;
 
 /// A communication step under way.
@@ -76,7 +76,7 @@ impl<U: Unit> Instance<U> {
         }
         // Whatever else is overdue would be made up for, event by event, before the step ends.
         let next = self.next_event()?;
-        if next < point - slack - MOST_TOLERANCE {
+        if next < time - slack - MOST_TOLERANCE {
             return Err(Failure(format!(
                 "step from {point} s: the event at {next} s was never carried out; this is no state that steps lead to"
             )));

@@ -53,7 +53,7 @@ pub trait Unit: Sized + Send + 'static {
     fn state(&self) -> &Self::State;
 
     /// Whether a state that came from elsewhere can be one of this unit: its numbers are some that can be
-    /// worked with, and its counts agree with each other.
+    /// worked with, and its counts, where that matters, agree with each other.
     fn is_admissible(state: &Self::State) -> bool {
         let _ = state;
         true

@@ -1,2 +1,5 @@
+//! `modelDescription.xml`.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz::readers::description(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::readers::description(bytes);
+});

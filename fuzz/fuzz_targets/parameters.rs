@@ -1,2 +1,5 @@
+//! Parameter sets.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz::readers::parameters(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::readers::parameters(bytes);
+});

@@ -1,2 +1,5 @@
+//! Setpoints and measurements.
 #![no_main]
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz::readers::table(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::readers::table(bytes);
+});

@@ -2,6 +2,7 @@
 //! with a value or with an error that can be shown.
 //!
 //! `fuzz_targets/` hands them to libFuzzer (`cargo xtask fuzz`), `tests/` some inputs of each in every test run.
+//! Only the former is built with debug assertions, and sees arithmetic that overflows.
 
 pub mod readers;
 pub mod snapshot;

@@ -10,6 +10,10 @@ use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
 
 const STEP: f64 = 0.00025;
+/// Samples before the last of the valid states is saved.
+const RUN: u32 = 450;
+/// Samples after a state.
+pub const SAMPLES: u32 = 3;
 
 /// Numbers that are not what is expected.
 const NUMBERS: [f64; 8] = [
@@ -147,8 +151,8 @@ impl<U: Unit> Drop for Instance<U> {
 }
 
 /// A valid state is edited as `script` says, in words of five bytes (operation, position, value), and what is
-/// accepted runs on for some samples; whether it was.
-pub fn go_on_from<U: Unit>(script: &[u8]) -> bool {
+/// accepted runs on for [`SAMPLES`] at most; how many of them came about, none if the state was refused.
+pub fn go_on_from<U: Unit>(script: &[u8]) -> Option<u32> {
     thread_local!(static VALID: std::cell::RefCell<Vec<Vec<u8>>> = const { std::cell::RefCell::new(Vec::new()) });
     let valid = VALID.with_borrow_mut(|valid| {
         if valid.is_empty() {
@@ -156,16 +160,14 @@ pub fn go_on_from<U: Unit>(script: &[u8]) -> bool {
             valid.push(instance.serialized());
             instance.initialize();
             valid.push(instance.serialized());
-            for k in 0..450 {
+            for k in 0..RUN {
                 assert_eq!(instance.step(f64::from(k) * STEP), fmi3OK);
             }
             valid.push(instance.serialized());
         }
         valid.clone()
     });
-    let Some((first, script)) = script.split_first() else {
-        return false;
-    };
+    let (first, script) = script.split_first()?;
     let base = usize::from(*first) % valid.len();
     let mut content = valid[base].clone();
     content.truncate(content.len() - 8);
@@ -174,29 +176,32 @@ pub fn go_on_from<U: Unit>(script: &[u8]) -> bool {
 
     let instance = Instance::<U>::new();
     if !instance.restore(&content) {
-        return false;
+        return None;
     }
     instance.check_outputs();
     if base == 0 {
         // SAFETY: the instance is alive.
-        unsafe {
-            if fmi3EnterInitializationMode::<U>(instance.0, 0, 0.0, 0.0, 0, 0.0) != fmi3OK
-                || fmi3ExitInitializationMode::<U>(instance.0) != fmi3OK
-            {
-                return true;
-            }
+        let [entered, left] = unsafe {
+            [
+                fmi3EnterInitializationMode::<U>(instance.0, 0, 0.0, 0.0, 0, 0.0),
+                fmi3ExitInitializationMode::<U>(instance.0),
+            ]
+        };
+        assert!(entered != fmi3Fatal && left != fmi3Fatal);
+        if left > fmi3Warning {
+            return Some(0);
         }
     }
-    let begin = if base == 2 { 450 } else { 0 };
-    for k in begin..begin + 3 {
-        let status = instance.step(f64::from(k) * STEP);
+    let begin = if base == 2 { RUN } else { 0 };
+    for k in 0..SAMPLES {
+        let status = instance.step(f64::from(begin + k) * STEP);
         assert_ne!(status, fmi3Fatal);
         if status > fmi3Warning {
-            break;
+            return Some(k);
         }
         instance.check_outputs();
     }
-    true
+    Some(SAMPLES)
 }
 
 fn edit(content: &mut Vec<u8>, script: &[u8]) {

@@ -70,9 +70,11 @@ fn seed(path: &str) -> Vec<u8> {
     fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Hands the files over, whole and then with some damages.
-fn look_at(target: fn(&[u8]), files: &[Vec<u8>]) {
-    files.iter().for_each(|file| target(file));
+/// Hands the files over: whole, which must be accepted, and then with some damages.
+fn look_at(target: fn(&[u8]) -> bool, files: &[Vec<u8>]) {
+    for (index, file) in files.iter().enumerate() {
+        assert!(target(file), "file {index}");
+    }
     let inputs = (select(files.to_vec()), vec(edit(), 1..6));
     let config = ProptestConfig {
         cases: 200,
@@ -113,16 +115,17 @@ fn structures() {
 
 #[test]
 fn tables() {
-    look_at(
-        readers::table,
-        &[seed("packaging/assets/tflex-setpoints.csv")],
-    );
+    let files = [
+        "packaging/assets/tflex-setpoints.csv",
+        "fuzz/seeds/measurement.csv",
+    ];
+    look_at(readers::table, &files.map(seed));
 }
 
 #[test]
 fn connections_and_experiments() {
     let files = [
-        "tests/foreign/mass_damper.toml",
+        "fuzz/seeds/connections.toml",
         "experiments/identification.toml",
     ];
     look_at(readers::toml, &files.map(seed));

@@ -34,11 +34,15 @@ const TARGETS: [(&str, Seeds); 8] = [
             ("dist/ssp", ".ssd"),
         ],
     ),
-    ("table", &[("packaging/assets", ".csv"), ("dist", ".csv")]),
     (
-        "toml",
-        &[("experiments", ".toml"), ("tests/foreign", ".toml")],
+        "table",
+        &[
+            ("fuzz/seeds", ".csv"),
+            ("packaging/assets", ".csv"),
+            ("dist", ".csv"),
+        ],
     ),
+    ("toml", &[("fuzz/seeds", ".toml"), ("experiments", ".toml")]),
 ];
 /// Where all that fuzzing makes is kept, the corpus for the next time too.
 const FOLDER: &str = "target/fuzz";
@@ -62,9 +66,9 @@ pub fn run(workspace: &Workspace, minutes: f64, wanted: &[String]) -> Result<(),
     package::run(workspace, Platforms::This)?;
     announce("Building the fuzz targets");
     let mut build = cargo_fuzz(workspace, "build");
-    workspace
-        .run(&mut build)
-        .map_err(|error| format!("{error}\n`cargo install cargo-fuzz` installs what is needed"))?;
+    workspace.run(&mut build).map_err(|error| {
+        format!("{error}\nthis needs `cargo install cargo-fuzz` and a C++ compiler")
+    })?;
     announce(&format!(
         "Fuzzing, {seconds} s each or until something is found"
     ));
@@ -103,7 +107,8 @@ pub fn run(workspace: &Workspace, minutes: f64, wanted: &[String]) -> Result<(),
         return Ok(());
     }
     Err(format!(
-        "found something in {}; the inputs are in fuzz/artifacts, and `cargo fuzz run TARGET FILE` repeats one",
+        "found something in {}; this repeats an input:\n    RUSTC_BOOTSTRAP=1 cargo fuzz run -s none \
+         --features libfuzzer --target-dir {FOLDER} TARGET fuzz/artifacts/TARGET/FILE",
         failed.join(", ")
     ))
 }
@@ -114,9 +119,7 @@ fn cargo_fuzz(workspace: &Workspace, command: &str) -> std::process::Command {
     cargo.args(["fuzz", command, "--fuzz-dir", "fuzz", "-s", "none"]);
     cargo.args(["--features", "libfuzzer"]);
     cargo.arg("--target-dir").arg(workspace.path(FOLDER));
-    // Built once, and looked at in what it prints.
-    cargo.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
-    cargo.env("CARGO_PROFILE_RELEASE_DEBUG", "1");
+    // For names in what a panic prints.
     cargo.env("CARGO_PROFILE_RELEASE_STRIP", "none");
     // Instrumentation is an unstable flag of a stable compiler.
     cargo.env("RUSTC_BOOTSTRAP", "1");
