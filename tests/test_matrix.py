@@ -170,6 +170,7 @@ ROWS = [
     *rows("FMPy", "ME"),
     *rows("fmuloader", "CS", ORDERS),
     *rows("ecos", "SSP", ["side-by-side"], cases=["T-flex"]),
+    *rows("libcosim", "CS", ["side-by-side"], cases=["T-flex"], versions=["fmi2"]),
     *(row for crate in CRATES for row in rows(crate, "CS", ORDERS)),
     *rows("flexarm", "CS", ORDERS, platforms=["x86_64-windows", "aarch64-linux"]),
     *rows("FMPy", "CS", platforms=["x86_64-windows"]),
@@ -198,6 +199,9 @@ def scored(row: Row, request, folder: Path) -> float:
             return score(row.case, row.version, row.order, (BareCoSimulation, BareCoSimulation))
         case "ecos", _:
             return structure_by_ecos(row, folder)
+        case "libcosim", _:
+            pytest.importorskip("libcosimpy.CosimExecution", reason="libcosim is on PyPI for Linux on x86-64")
+            return float(run(sys.executable, ROOT / "tests" / "cosim.py", row.case).stdout)
         case _:
             return by_crate(fixture("crates"), row, folder)
 
