@@ -62,17 +62,38 @@ impl<U: Unit> Instance<U> {
                 for (index, &source) in (first..first + count).zip(&mut sources) {
                     let element =
                         T::inward(source, variable.kind).ok_or_else(|| mismatch(variable))?;
-                    if stored {
-                        store(&mut self.now.variables, variable, index, element)?;
-                    } else {
+                    if !stored {
                         self.check_settable(variable, index, element)?;
                         check_admissible(variable, index, element)?;
+                    } else if let Some(position) = self.state_position(variable, index) {
+                        self.set_state(position, element);
+                    } else {
+                        store(&mut self.now.variables, variable, index, element)?;
                     }
                 }
             }
         }
         self.now.stale = true;
         Ok(())
+    }
+
+    /// Which of the continuous states a variable is, where it can be set as one: in Continuous-Time Mode
+    /// (FMI 3.0.2 sec 3.2.1; CasADi does it in FMI 2.0 too).
+    fn state_position(&self, variable: &Variable, index: usize) -> Option<usize> {
+        let reference = variable.value_reference + index as u32;
+        let mut states = U::Variables::MODEL.states.iter();
+        states
+            .position(|&state| state == reference)
+            .filter(|_| self.now.mode == Mode::ContinuousTime)
+    }
+
+    fn set_state(&mut self, position: usize, element: Element) {
+        let [states, _] = &mut self.states;
+        if let (Some(unit), Element::Float64(value)) = (&mut self.unit, element) {
+            unit.continuous_states(states);
+            states[position] = value;
+            unit.set_continuous_states(states);
+        }
     }
 
     /// Inputs and tunable parameters can always be set, fixed ones until initialization is done, structural ones
@@ -84,6 +105,9 @@ impl<U: Unit> Instance<U> {
         index: usize,
         element: Element,
     ) -> Result<(), Failure> {
+        if self.state_position(variable, index).is_some() {
+            return Ok(());
+        }
         let (name, mode) = (Name(variable, index), self.now.mode);
         let structural = variable.causality == Causality::StructuralParameter;
         if mode == Mode::Configuration && !structural {

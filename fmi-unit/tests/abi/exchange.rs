@@ -234,3 +234,28 @@ fn a_failing_event_is_an_error() {
         }
     }
 }
+
+/// FMI 3.0.2 sec 3.2.1 has it, and CasADi knows no other way, in FMI 2.0 too.
+#[test]
+fn a_state_can_be_set_as_a_variable_in_continuous_time() {
+    for version in BOTH {
+        let s = session(version);
+        assert_eq!(s.set(X, 1.5), ERROR, "before initialization");
+        let s = session(version);
+        s.initialize(0.0, None);
+        assert_eq!(s.set(X, 1.5), ERROR, "in Event Mode");
+        s.update_discrete().unwrap();
+        assert_eq!(s.enter_continuous_time(), OK);
+        let (mut x, mut by_value, mut by_state) = ([0.0], [0.0], [0.0]);
+        assert_eq!(s.set(X, 1.5), OK);
+        assert_eq!(s.get(X), 1.5);
+        assert_eq!(s.get_states(&mut x), OK);
+        assert_eq!(x, [1.5]);
+        assert_eq!(s.get_derivatives(&mut by_value), OK);
+        assert_eq!(s.set_states(&[0.5]), OK);
+        assert_eq!(s.set_states(&[1.5]), OK);
+        assert_eq!(s.get_derivatives(&mut by_state), OK);
+        assert_eq!(by_value, by_state);
+        assert_eq!(s.set(TWICE, 1.0), ERROR, "no state");
+    }
+}
