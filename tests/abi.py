@@ -57,7 +57,8 @@ class Fmu:
         # All arrays of the controller's outputs have the size that its one structural parameter says.
         self.arrays = [v.valueReference for v in variables if v.dimensions and v.causality == "output"]
         self.points = int(structural[0].start) if structural else None
-        self.states = len([v for v in variables if v.derivative is not None])
+        self.state_variables = [v.derivative.valueReference for v in variables if v.derivative is not None]
+        self.states = len(self.state_variables)
 
     def function(self, name: str, *types):
         """A function of the interface, by its name without `fmi2` or `fmi3`."""

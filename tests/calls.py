@@ -216,6 +216,12 @@ class Sequence(Called):
         rule = "set_states" if name.startswith("Set") else "get_states"
         self.call(rule, status, legal, before)
 
+    def do_set_state(self) -> None:
+        """Write a continuous state as a variable."""
+        if self.fmu.state_variables:
+            before, reference = self.messages, self.random.choice(self.fmu.state_variables)
+            self.call("set_state", self.set_float(reference, self.number()), True, before)
+
     def do_completed_step(self) -> None:
         """The end of an integrator step."""
         before = self.messages

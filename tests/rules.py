@@ -19,6 +19,7 @@ RULES = {
     "activate": ("A", "IKNSECT"),
     "set_time": ("C", "KSAT"),
     "set_states": ("C", "IKNSAT"),
+    "set_state": ("C", "IKNSEAT"),
     "get_states": ("NEC", "KSA"),
     "completed_step": ("C", "IKNSAT"),
     "get": ("NSECAT", ""),
