@@ -77,14 +77,18 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// Which of the continuous states a variable is, where it can be set as one: in Continuous-Time Mode
+    /// The same where it can be set as one: in Continuous-Time Mode
     /// (FMI 3.0.2 sec 3.2.1; CasADi does it in FMI 2.0 too).
     fn state_position(&self, variable: &Variable, index: usize) -> Option<usize> {
+        let settable = self.now.mode == Mode::ContinuousTime;
+        settable.then(|| Self::state(variable, index)).flatten()
+    }
+
+    /// Which of the continuous states a variable is.
+    fn state(variable: &Variable, index: usize) -> Option<usize> {
         let reference = variable.value_reference + index as u32;
         let mut states = U::Variables::MODEL.states.iter();
-        states
-            .position(|&state| state == reference)
-            .filter(|_| self.now.mode == Mode::ContinuousTime)
+        states.position(|&state| state == reference)
     }
 
     fn set_state(&mut self, position: usize, element: Element) {
@@ -136,6 +140,9 @@ impl<U: Unit> Instance<U> {
                     )))
                 }
             }
+            _ if Self::state(variable, index).is_some() => Err(Failure(format!(
+                "{name} is a continuous state: it cannot be set in {mode}, only in Continuous-Time Mode of Model Exchange"
+            ))),
             (causality, _) => Err(Failure(format!(
                 "{name} cannot be set: its causality is {causality:?}"
             ))),

@@ -56,6 +56,21 @@ fn setpoints_need_an_input_and_an_angle() {
 }
 
 #[test]
+fn a_value_for_a_connected_input_is_not_lost_in_silence() {
+    let folder = folder();
+    let output = run(
+        folder.path(),
+        &["--set", "controller:u=0.5", "--until", "1"],
+    );
+    assert!(output.status.success(), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("warning: controller.u = 0.5 is not used: "),
+        "{}",
+        errors(&output)
+    );
+}
+
+#[test]
 fn what_is_not_scored_has_no_score() {
     let folder = folder();
     let connections = CONNECTIONS.replace("plant.y\"\nto", "setpoint\"\nto");

@@ -244,6 +244,7 @@ fn a_state_can_be_set_as_a_variable_in_continuous_time() {
         let s = session(version);
         s.initialize(0.0, None);
         assert_eq!(s.set(X, 1.5), ERROR, "in Event Mode");
+        s.assert_error(&["x is a continuous state", "cannot be set in Event Mode"]);
         s.update_discrete().unwrap();
         assert_eq!(s.enter_continuous_time(), OK);
         let (mut x, mut by_value, mut by_state) = ([0.0], [0.0], [0.0]);

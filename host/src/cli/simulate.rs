@@ -20,7 +20,7 @@ Examples:
     flexarm simulate --controller FlexArmController.fmu --plant FlexArmPlant.fmu \\
       --parameters pendulum.ssv --setpoints steps.csv -o out/
   One thing changed, for one FMU or both:
-    flexarm simulate ... --set feedback.law=lqri --set plant:arm.inertia=0.09
+    flexarm simulate ... --set nmpc.horizon=30 --set plant:arm.inertia=0.09
   A vendor's plant with other names and degrees:
     flexarm simulate --controller FlexArmController.fmu --plant Vendor.fmu --connections vendor.toml
     # vendor.toml:

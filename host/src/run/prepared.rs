@@ -161,6 +161,7 @@ impl<'a> Prepared<'a> {
         };
         let mut warnings = wiring.warnings.clone();
         warnings.extend(checks::wiring(pair, &wiring));
+        warnings.extend(checks::replaced(pair, &values, &wiring));
         warnings.extend(checks::descriptions(pair, simulation.step));
         warnings.extend(checks::periods(pair, &values, simulation.step));
         warnings.extend(plan.warnings.iter().cloned());
