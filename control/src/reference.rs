@@ -14,7 +14,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Every component.
+    /// Every component, in the order and units of the fields.
     pub(crate) fn numbers(&self) -> [f64; 3] {
         [self.angle, self.velocity, self.acceleration]
     }

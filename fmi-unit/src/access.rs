@@ -77,13 +77,6 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// The same where it can be set as one: in Continuous-Time Mode
-    /// (FMI 3.0.2 sec 3.2.1; CasADi does it in FMI 2.0 too).
-    fn state_position(&self, variable: &Variable, index: usize) -> Option<usize> {
-        let settable = self.now.mode == Mode::ContinuousTime;
-        settable.then(|| Self::state(variable, index)).flatten()
-    }
-
     /// Which of the continuous states a variable is.
     fn state(variable: &Variable, index: usize) -> Option<usize> {
         let reference = variable.value_reference + index as u32;
@@ -91,6 +84,14 @@ impl<U: Unit> Instance<U> {
         states.position(|&state| state == reference)
     }
 
+    /// The same where it can be set as one: in Continuous-Time Mode (FMI 3.0.2 sec 3.2.1; CasADi does it in
+    /// FMI 2.0 too).
+    fn state_position(&self, variable: &Variable, index: usize) -> Option<usize> {
+        let settable = self.now.mode == Mode::ContinuousTime;
+        settable.then(|| Self::state(variable, index)).flatten()
+    }
+
+    /// Sets one of the continuous states, as [`Self::set_states`] sets all. O(states).
     fn set_state(&mut self, position: usize, element: Element) {
         let [states, _] = &mut self.states;
         if let (Some(unit), Element::Float64(value)) = (&mut self.unit, element) {
@@ -312,9 +313,10 @@ pub(crate) fn check_outputs<V: Variables>(variables: &V) -> Result<(), Failure> 
             if let Element::Float64(value) = element(variables, variable, index)?
                 && !value.is_finite()
             {
-                let name = Name(variable, index);
                 return Err(Failure(format!(
-                    "the serialized state gives {name} = {value}"
+                    "the serialized state gives {} = {value}{}: must be finite",
+                    Name(variable, index),
+                    Suffix(variable.unit)
                 )));
             }
         }
@@ -363,10 +365,7 @@ fn check_admissible(
     if within || !is_parameter(variable) {
         return Ok(());
     }
-    let unit = match variable.unit {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = Suffix(variable.unit);
     Err(Failure(format!(
         "{} = {}{unit} is outside [{}, {}]{unit}",
         Name(variable, index),
@@ -390,6 +389,18 @@ impl fmt::Display for Name {
             write!(f, "{}[{}]", variable.name, index + 1)
         } else {
             f.write_str(variable.name)
+        }
+    }
+}
+
+/// A unit behind its number.
+struct Suffix(&'static str);
+
+impl fmt::Display for Suffix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            "" => Ok(()),
+            unit => write!(f, " {unit}"),
         }
     }
 }

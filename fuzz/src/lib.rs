@@ -56,10 +56,7 @@ pub fn pair() -> Pair<'static> {
     static OPENED: OnceLock<[Fmu; 2]> = OnceLock::new();
     let open = |bytes| Fmu::open(&file("ours.fmu", bytes)).expect("our own description");
     let [controller, plant] = OPENED.get_or_init(|| fmus().map(open));
-    Pair {
-        controller: controller.description(),
-        plant: plant.description(),
-    }
+    Pair::new(controller, plant)
 }
 
 /// The value; an error must have something to say.

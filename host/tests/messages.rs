@@ -64,7 +64,8 @@ fn a_value_for_a_connected_input_is_not_lost_in_silence() {
     );
     assert!(output.status.success(), "{}", errors(&output));
     assert!(
-        errors(&output).contains("warning: controller.u = 0.5 is not used: "),
+        errors(&output)
+            .contains("warning: controller.u = 0.5 is not used: it is connected to plant.y\n"),
         "{}",
         errors(&output)
     );

@@ -28,21 +28,18 @@ static size_t length(void) {
   return count;
 }
 
-static size_t integers(int *values) {
-  size_t i, count = length();
-  for (i = 0; i < count; i++)
-    if (scanf("%d", &values[i]) != 1)
-      fail("an integer is missing");
-  return count;
-}
-
-static size_t reals(double *values) {
-  size_t i, count = length();
-  for (i = 0; i < count; i++)
-    if (scanf("%lf", &values[i]) != 1)
-      fail("a number is missing");
-  return count;
-}
+/* A function that reads a list of a type and returns its length. */
+#define READER(name, type, format)                 \
+  static size_t name(type *values) {               \
+    size_t i, count = length();                    \
+    for (i = 0; i < count; i++)                    \
+      if (scanf(format, &values[i]) != 1)          \
+        fail("a number of a list is missing");     \
+    return count;                                  \
+  }
+READER(integers, int, "%d")
+READER(reals, double, "%lf")
+#undef READER
 
 int main(int argc, char **argv) {
   static int inputs[MOST], realOutputs[MOST], integerOutputs[MOST], references[3][MOST], values[2][MOST], integerResults[MOST];

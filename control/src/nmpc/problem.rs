@@ -158,7 +158,7 @@ pub struct Initial {
 }
 
 impl Initial {
-    /// Every component.
+    /// Every component, in the order and units of the fields.
     pub(crate) fn numbers(&self) -> [f64; 7] {
         [
             self.angle,

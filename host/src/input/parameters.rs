@@ -98,6 +98,9 @@ pub struct ParameterSets(Vec<(ParameterFile, ParameterSet)>);
 
 impl ParameterSets {
     /// Reads all files in order.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no parameter set, by line.
     pub fn read(files: &[ParameterFile]) -> Result<Self, Error> {
         let set = |file: &ParameterFile| {
             let text = read_text(&file.path)?;
@@ -110,6 +113,9 @@ impl ParameterSets {
 
 impl StartValues {
     /// Takes all sets in order, then the assignments.
+    ///
+    /// # Errors
+    /// Names that no FMU has or that cannot be set, and values that are not of their type or unit, by file and line.
     pub fn new(
         pair: Pair<'_>,
         sets: &ParameterSets,
@@ -119,6 +125,9 @@ impl StartValues {
     }
 
     /// The values of structural parameters alone: elements of arrays have names only when the sizes are known.
+    ///
+    /// # Errors
+    /// As those of [`Self::new`].
     pub fn structure(
         pair: Pair<'_>,
         sets: &ParameterSets,

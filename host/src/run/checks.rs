@@ -12,19 +12,6 @@ use std::ops::RangeInclusive;
 /// Communication steps of a run. They are counted in f64, exact up to 2⁵³; 10⁹ of 0.25 ms are three days.
 pub(crate) const STEPS: RangeInclusive<f64> = 1.0..=1e9;
 
-/// Values given to inputs that something else drives.
-pub(super) fn replaced(pair: Pair<'_>, values: &StartValues, wiring: &Wiring) -> Vec<String> {
-    let of = |side| {
-        let given = values.of(side).into_iter();
-        let replaced = given.filter(move |(input, _)| wiring.feeds(side, *input));
-        replaced.map(move |(input, value)| {
-            let name = pair.name(side, input);
-            format!("{name} = {value} is not used: {name} is connected, and a setpoint comes from --setpoints")
-        })
-    };
-    Side::BOTH.into_iter().flat_map(of).collect()
-}
-
 /// A number that cannot be meant.
 pub(crate) fn setting(name: impl Into<String>, value: f64, expected: String) -> Error {
     Error::Setting {
@@ -152,6 +139,24 @@ pub(super) fn wiring(pair: Pair<'_>, wiring: &Wiring) -> Option<String> {
         ""
     };
     Some(format!("{missing}{hint}"))
+}
+
+/// Values given to inputs that something else drives.
+pub(super) fn replaced(pair: Pair<'_>, values: &StartValues, wiring: &Wiring) -> Vec<String> {
+    let of = |side| {
+        let given = values.of(side).into_iter();
+        given.filter_map(move |(input, value)| {
+            let source = match wiring.source(side, input)? {
+                Source::Setpoint => "the setpoint (--setpoints)".to_owned(),
+                Source::Output(from, output) => pair.name(from, output),
+            };
+            let name = pair.name(side, input);
+            Some(format!(
+                "{name} = {value} is not used: it is connected to {source}"
+            ))
+        })
+    };
+    Side::BOTH.into_iter().flat_map(of).collect()
 }
 
 /// What the FMUs say of themselves that does not fit.

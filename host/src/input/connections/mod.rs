@@ -112,11 +112,16 @@ impl Wiring {
         Ok(wiring)
     }
 
+    /// What an input is connected to, if anything.
+    pub fn source(&self, side: Side, input: Scalar) -> Option<Source> {
+        let mut connections = self.connections.iter();
+        let found = connections.find(|c| (c.side, c.input) == (side, input));
+        found.map(|connection| connection.tap.source)
+    }
+
     /// Whether an input is connected.
     pub fn feeds(&self, side: Side, input: Scalar) -> bool {
-        self.connections
-            .iter()
-            .any(|c| (c.side, c.input) == (side, input))
+        self.source(side, input).is_some()
     }
 
     fn connect_by_name(&mut self, pair: Pair<'_>) -> Result<(), Error> {
