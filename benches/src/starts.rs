@@ -20,7 +20,8 @@ use crate::statistics::time;
 ///
 /// Random starts; starved ones, a thermal budget of 0.2 to 3 % left (on the T-flex, whose motor is strong, flung
 /// away from the goal at 8 to 16 rad/s); over the thermal limit by up to 0.2 %; far over it, by up to 50 %.
-/// Each start is planned cold, knowing nothing, and then warm: one period later along that plan.
+/// Each start is planned cold, knowing nothing; then warm: one period later along that plan; and once more
+/// with the setpoint moved in the meantime.
 ///
 /// Prints every status, the iterations as a histogram, the time per start (the least of the repeats: what the
 /// plan itself takes) beside that of all single calls (what this machine makes of it), and the worst start of
@@ -50,8 +51,8 @@ pub struct Options {
 
 /// A start and what came of it.
 struct Record {
-    /// Start of the cold plan before a warm one.
-    before: Option<Initial>,
+    /// Start and goal of the cold plan before.
+    before: Option<(Initial, f64)>,
     initial: Initial,
     goal: f64,
     status: PlanStatus,
@@ -72,11 +73,14 @@ impl Record {
     }
 }
 
-/// All plans of an arm and class, cold or warm.
+/// What the plans of each start know, in this order.
+const KNOWLEDGE: [&str; 3] = ["cold", "warm", "moved"];
+
+/// All plans of an arm and class that know as much.
 struct Group {
     arm: String,
     class: &'static str,
-    warm: bool,
+    knowledge: &'static str,
     records: Vec<Record>,
     calls: Vec<Duration>,
 }
@@ -90,10 +94,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             eprintln!("{arm}: {} starts, class {} ...", options.count, class.name);
             // Far apart: SplitMix64 walks in steps of its own.
             let mut uniform = Uniform(options.seed ^ ((stream as u64 + 1) << 32));
-            let [mut cold, mut warm] = [false, true].map(|warm| Group {
+            let mut goals = Uniform(!options.seed ^ ((stream as u64 + 1) << 32));
+            let [mut cold, mut warm, mut moved] = KNOWLEDGE.map(|knowledge| Group {
                 arm: arm.clone(),
                 class: class.name,
-                warm,
+                knowledge,
                 records: Vec::new(),
                 calls: Vec::new(),
             });
@@ -103,28 +108,25 @@ pub fn run(options: &Options) -> Result<(), Failure> {
                 cold.measure(&mut planner, &nothing, None, initial, goal, options.repeats);
                 let known = planner.state().clone();
                 let next = following(planner.latest(), &initial);
-                warm.measure(
-                    &mut planner,
-                    &known,
-                    Some(initial),
-                    next,
-                    goal,
-                    options.repeats,
-                );
+                let (_, other) = goals.start(planner.problem(), class);
+                let before = Some((initial, goal));
+                for (group, goal) in [(&mut warm, goal), (&mut moved, other)] {
+                    group.measure(&mut planner, &known, before, next, goal, options.repeats);
+                }
             }
-            groups.extend([cold, warm]);
+            groups.extend([cold, warm, moved]);
         }
     }
     report::print(options, &groups)
 }
 
 impl Group {
-    /// Plans from `initial`, again and again knowing what is `known` of the plan from `before`.
+    /// Plans from `initial`, again and again knowing what is `known` of the plan `before`.
     fn measure(
         &mut self,
         planner: &mut Planner,
         known: &PlannerState,
-        before: Option<Initial>,
+        before: Option<(Initial, f64)>,
         initial: Initial,
         goal: f64,
         repeats: u32,

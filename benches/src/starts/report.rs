@@ -117,7 +117,7 @@ fn times(groups: &[Group], repeats: u32) -> Vec<Vec<String>> {
         let mut row = vec![
             group.arm.clone(),
             group.class.to_owned(),
-            start(group).to_owned(),
+            group.knowledge.to_owned(),
         ];
         row.extend([0.5, 0.99, 1.0].map(|share| text(best.quantile(share))));
         let late = group.records.iter().filter(|r| r.best > LATE).count();
@@ -142,10 +142,6 @@ fn times(groups: &[Group], repeats: u32) -> Vec<Vec<String>> {
     rows
 }
 
-fn start(group: &Group) -> &'static str {
-    if group.warm { "warm" } else { "cold" }
-}
-
 /// Plans by iterations: a column for each group.
 fn histogram(groups: &[Group]) -> Vec<Vec<String>> {
     let head = |of: fn(&Group) -> &str| groups.iter().map(move |group| of(group).to_owned());
@@ -160,7 +156,7 @@ fn histogram(groups: &[Group]) -> Vec<Vec<String>> {
             .collect(),
         ["iterations".to_owned()]
             .into_iter()
-            .chain(head(start))
+            .chain(head(|g| g.knowledge))
             .collect(),
     ];
     for (index, &first) in ROWS.iter().enumerate() {
@@ -204,7 +200,7 @@ fn histogram(groups: &[Group]) -> Vec<Vec<String>> {
 
 /// A plan, and the requests that repeat it.
 fn described(group: &Group, record: &Record, solver: &str) -> String {
-    let request = |initial: &Initial, warm: bool| {
+    let request = |initial: &Initial, goal: f64, warm: bool| {
         let state = [
             initial.angle,
             initial.velocity,
@@ -214,7 +210,7 @@ fn described(group: &Group, record: &Record, solver: &str) -> String {
             initial.thermal_load,
         ];
         let request = json!({
-            "arm": group.arm, "solver": solver, "initial": state, "goal": record.goal, "warm": warm, "repeats": 5,
+            "arm": group.arm, "solver": solver, "initial": state, "goal": goal, "warm": warm, "repeats": 5,
         });
         format!("\n  {request}")
     };
@@ -227,13 +223,14 @@ fn described(group: &Group, record: &Record, solver: &str) -> String {
         "{}, {}, {}: {:?}{converged}, {} iterations, {}",
         group.arm,
         group.class,
-        start(group),
+        group.knowledge,
         record.status,
         record.iterations,
         text(record.best)
     );
-    lines.extend(record.before.as_ref().map(|before| request(before, false)));
-    lines + &request(&record.initial, group.warm)
+    let before = record.before.as_ref();
+    lines.extend(before.map(|(initial, goal)| request(initial, *goal, false)));
+    lines + &request(&record.initial, record.goal, before.is_some())
 }
 
 #[cfg(test)]
@@ -255,7 +252,7 @@ mod tests {
         Group {
             arm: "arm".to_owned(),
             class: "class",
-            warm: false,
+            knowledge: "cold",
             records: iterations.iter().map(record).collect(),
             calls: vec![Duration::ZERO],
         }

@@ -3,8 +3,8 @@
 //! 1. The setpoint moves to the nearest rest point that can be held ([`super::rest`]).
 //! 2. The optimum without inequalities comes in closed form ([`super::unconstrained`]); where it keeps
 //!    all limits it is the plan.
-//! 3. Otherwise the solvers are tried in turn; the first starts from the better of that optimum and the
-//!    previous plan, shifted.
+//! 3. Otherwise the solvers are tried in turn; the first starts from the best of that optimum, the previous
+//!    plan, shifted, and, above the thermal limit, plans that wait where the arm takes little torque.
 //! 4. Where no plan comes out, the previous plan goes on, shifted: it ends at rest. Where none is left,
 //!    the reference is braked to rest.
 //!
@@ -20,6 +20,7 @@ mod angle_bounds;
 mod braking;
 mod fall_back;
 mod guess;
+mod waiting;
 
 use arm::{Inadmissible, Limits, Motor, Parameters};
 
@@ -288,6 +289,7 @@ impl Planner {
     /// Improves on the plan without inequalities.
     fn run_solvers(&mut self) -> SolverStatus {
         let guessed = self.guess_from_shifted();
+        self.guess_waiting();
         let status = self.run_until_solved();
         if guessed && self.safe_set.is_some() && status == SolverStatus::IterationLimit {
             return self.run_from_unconstrained();

@@ -8,12 +8,16 @@ use super::problem::Problem;
 
 /// Cells per period of the highest cogging harmonic in the search for ends of admissible intervals.
 const CELLS_PER_PERIOD: f64 = 32.0;
+/// Angles of locally least torque that are kept.
+const CALM: usize = 8;
 
 /// The admissible rest points.
 #[derive(Clone, Debug)]
 pub struct RestPoints {
     /// Disjoint closed intervals in rising order \[rad\]; never empty.
     intervals: Vec<[f64; 2]>,
+    /// Where holding the arm takes locally least torque \[rad\].
+    calm: Vec<f64>,
 }
 
 impl RestPoints {
@@ -25,12 +29,14 @@ impl RestPoints {
             let interval = torque.rest_interval(lower, upper);
             return Self {
                 intervals: vec![interval.unwrap_or([lower, upper])],
+                calm: Vec::new(),
             };
         }
         let limit = problem.thermal_limit_after(problem.longest);
         if limit.is_infinite() {
             return Self {
                 intervals: vec![[lower, upper]],
+                calm: Vec::new(),
             };
         }
         let most = limit.sqrt() * problem.motor.torque_constant;
@@ -42,12 +48,8 @@ impl RestPoints {
 
         let mut intervals: Vec<[f64; 2]> = Vec::new();
         let mut begin = (torque(lower) <= most).then_some(lower);
-        let mut calmest = lower;
         for i in 1..=cells {
             let [left, right] = [angle(i - 1), angle(i)];
-            if torque(right) < torque(calmest) {
-                calmest = right;
-            }
             match (begin, torque(right) <= most) {
                 (None, true) => begin = Some(crossing(right, left, |x| torque(x) <= most)),
                 (Some(start), false) => {
@@ -58,15 +60,29 @@ impl RestPoints {
             }
         }
         intervals.extend(begin.map(|start| [start, upper]));
+        let least = |&i: &usize| {
+            let here = torque(angle(i));
+            (i == 0 || here < torque(angle(i - 1))) && (i == cells || here <= torque(angle(i + 1)))
+        };
+        let mut calm: Vec<f64> = (0..=cells).filter(least).map(angle).collect();
+        calm.sort_by(|&a, &b| torque(a).total_cmp(&torque(b)));
+        calm.truncate(CALM);
         if intervals.is_empty() {
+            let calmest = calm.first().copied().unwrap_or(lower);
             intervals.push([calmest, calmest]);
         }
-        Self { intervals }
+        Self { intervals, calm }
     }
 
     /// Disjoint closed intervals of rest points in rising order \[rad\].
     pub fn intervals(&self) -> &[[f64; 2]] {
         &self.intervals
+    }
+
+    /// Where holding the arm takes less torque than anywhere near \[rad\]: the calmest such angles within the
+    /// reference's bounds, the calmest first. None where nothing limits the load.
+    pub fn calm(&self) -> &[f64] {
+        &self.calm
     }
 
     /// The rest point nearest to `setpoint` \[rad\], and the number of its interval.
@@ -147,6 +163,22 @@ mod tests {
                 prop_assert!(!admissible || (between - rest).abs() < 1e-9, "{between} is nearer");
             }
         }
+    }
+
+    #[test]
+    fn nowhere_near_a_calm_angle_is_calmer() {
+        let problem = super::super::examples::tflex();
+        let torque = |angle: f64| problem.arm.position_torque(angle).abs();
+        let points = RestPoints::new(&problem);
+        // Figure 8 of the paper, between the bounds: two valleys.
+        let [first, second] = points.calm() else {
+            panic!("{:?}", points.calm())
+        };
+        assert!((first - 0.97).abs() < 5e-3 && (second - 1.307).abs() < 5e-3);
+        for angle in [first, second] {
+            assert!(torque(*angle) <= torque(angle - 5e-3).min(torque(angle + 5e-3)));
+        }
+        assert!(torque(*first) < torque(*second));
     }
 
     #[test]

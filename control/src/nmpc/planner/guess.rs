@@ -2,6 +2,7 @@
 
 use super::super::solver::SolverStatus;
 use super::Planner;
+use super::waiting::wait;
 
 impl Planner {
     /// Replaces the plan by the previous one, shifted and led to the goal, if that is better; whether it is.
@@ -10,20 +11,44 @@ impl Planner {
             self.state.multipliers.known = false;
             return false;
         }
+        let is_better = self.take_guess();
+        self.state.multipliers.known &= is_better;
+        is_better
+    }
+
+    /// From above the thermal limit, replaces the plan by one that waits where that takes little torque, if that
+    /// is better.
+    pub(super) fn guess_waiting(&mut self) {
+        let transcription = &self.transcription;
+        let limit = transcription.problem().thermal_limit;
+        let load = transcription.initial().thermal_load;
+        if self.safe_set.is_some() || limit.is_none_or(|limit| load <= limit) {
+            return;
+        }
+        for index in 0..self.rest.calm().len() {
+            let place = self.rest.calm()[index];
+            let nodes = self.grid.nodes();
+            if wait(&self.transcription, place, nodes, &mut self.guess) && self.take_guess() {
+                self.state.multipliers.known = false;
+            }
+        }
+    }
+
+    /// Replaces the plan by the guess, led to the goal, if that is better; whether it is.
+    fn take_guess(&mut self) -> bool {
         let transcription = &self.transcription;
         if self.safe_set.is_none() {
             transcription.end_at_rest(&mut self.guess);
         }
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
         let task = self.task();
-        if task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory) {
+        // NaN is not better.
+        let is_better = task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory);
+        if is_better {
             self.plan.moves.copy_from_slice(&self.guess);
             std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);
-            true
-        } else {
-            self.state.multipliers.known = false;
-            false
         }
+        is_better
     }
 
     /// Once more from the plan without inequalities. The previous plan, unlike one that ends at rest, is not led to

@@ -168,6 +168,37 @@ fn a_state_that_is_not_made_of_numbers_does_no_harm() {
     assert!(plan.moves.iter().all(|u| u.is_finite()));
 }
 
+/// The optimum of least heat is to wait; from a guess that goes to the goal at once it took 40 to 60
+/// iterations.
+#[test]
+fn far_above_its_limit_the_arm_waits_where_it_takes_little_torque() {
+    let settings = crate::Settings::tflex();
+    let crate::Settings {
+        arm,
+        motor,
+        limits,
+        nmpc,
+        ..
+    } = &settings;
+    let mut planner =
+        Planner::new(nmpc, arm, motor, limits, &feedback(&settings)).expect("admissible");
+    for start in [0.96, 1.0, 1.05, 1.1] {
+        planner.set_state(&PlannerState::default());
+        let hot = Initial {
+            angle: start,
+            reference_angle: start,
+            thermal_load: 14.0,
+            ..Initial::default()
+        };
+        let plan = planner.plan(&hot, 1.24);
+        assert_eq!(plan.status, PlanStatus::ThermalSlack);
+        assert!(plan.iterations <= 12, "{} iterations", plan.iterations);
+        let angles = &plan.trajectory.reference_angle[12..28];
+        let waits = angles.iter().all(|angle| (angle - 0.97).abs() < 0.03);
+        assert!(waits, "from {start}: {angles:?}");
+    }
+}
+
 #[test]
 fn the_solvers_work_is_reported() {
     let mut planner = planner();
