@@ -41,6 +41,9 @@ pub trait Vector:
     /// The larger of two; `other` where one of them is no number.
     fn larger(self, other: Self) -> Self;
 
+    /// The smaller of two; `other` where one of them is no number.
+    fn smaller(self, other: Self) -> Self;
+
     /// Sum over the lanes, added as (0 + 2) + (1 + 3).
     fn sum(self) -> f64;
 
@@ -81,6 +84,7 @@ mod tests {
             a.mul_sub(b, c),
             a.neg_mul_add(b, c),
             a.larger(b),
+            a.smaller(b),
             splat,
             V::splat(a.sum()),
             V::sums([a, b, c, splat]),
@@ -126,6 +130,7 @@ mod tests {
     fn what_is_no_number_gives_way_and_is_not_beyond() {
         let nan = Plain::<false>::splat(f64::NAN);
         assert_eq!(nan.larger(Plain::splat(1.0)).lanes(), [1.0; LANES]);
+        assert_eq!(nan.smaller(Plain::splat(1.0)).lanes(), [1.0; LANES]);
         assert!(!nan.any_beyond(1.0));
     }
 }

@@ -106,6 +106,12 @@ impl Vector for Wide {
     }
 
     #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // SAFETY: see `Wide`.
+        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
     fn sum(self) -> f64 {
         // SAFETY: see `Wide`.
         unsafe {
@@ -215,6 +221,12 @@ impl Vector for Pair {
     fn larger(self, other: Self) -> Self {
         // SAFETY: see `Pair`.
         self.zip(other, |a, b| unsafe { _mm_max_pd(a, b) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // SAFETY: see `Pair`.
+        self.zip(other, |a, b| unsafe { _mm_min_pd(a, b) })
     }
 
     #[inline(always)]

@@ -12,6 +12,8 @@ use super::solver::Multipliers;
 pub struct Grid {
     /// Time of the nodes from the start of a plan \[N + 1\] \[s\].
     nodes: Vec<f64>,
+    /// Length of the intervals if all are equal \[s\].
+    even: Option<f64>,
     /// For the nodes 1..N: the node that is nearest one period later \[N\].
     later: Vec<usize>,
 }
@@ -32,6 +34,7 @@ impl Grid {
         let later = nodes[1..].iter().map(|t| nearest(t + problem.period));
         Self {
             later: later.collect(),
+            even: problem.is_even().then_some(problem.period),
             nodes,
         }
     }
@@ -62,6 +65,13 @@ impl Grid {
             .copied()
     }
 
+    /// Number of intervals in `ago` \[s\], if all are equal and that is a whole one.
+    fn whole_intervals(&self, ago: f64) -> Option<usize> {
+        let intervals = ago / self.even?;
+        let whole = intervals.round();
+        ((intervals - whole).abs() <= 1e-9 * intervals).then_some(whole as usize)
+    }
+
     /// Velocity that the `moves` of a plan made `ago` \[s\] still add up to \[rad/s\]. O(moves).
     pub fn gain_left(&self, moves: &[f64], ago: f64) -> f64 {
         let left = |k: usize| self.begin(k + 1) - self.begin(k).max(ago);
@@ -72,6 +82,14 @@ impl Grid {
     /// The `moves` of a plan made `ago` \[s\], at least N, averaged over the intervals of a plan made now
     /// \[N\]; zero after their end. O(moves).
     pub fn shifted(&self, moves: &[f64], ago: f64, out: &mut [f64]) {
+        if let Some(intervals) = self.whole_intervals(ago) {
+            // The nodes of the two plans coincide.
+            let left = moves.get(intervals..).unwrap_or_default();
+            let common = left.len().min(out.len());
+            out[..common].copy_from_slice(&left[..common]);
+            out[common..].fill(0.0);
+            return;
+        }
         let mut old = 0;
         for (u, now) in out.iter_mut().zip(self.nodes.windows(2)) {
             let (from, to) = (now[0] + ago, now[1] + ago);
@@ -91,12 +109,16 @@ impl Grid {
 
     /// Moves multipliers on by one period.
     pub fn shift(&self, multipliers: &mut Multipliers) {
-        // In place: no node comes from an earlier one.
         for family in [
             &mut multipliers.thermal,
             &mut multipliers.lower,
             &mut multipliers.upper,
         ] {
+            if self.even.is_some() {
+                family.copy_within(1.., 0);
+                continue;
+            }
+            // In place: no node comes from an earlier one.
             for i in 0..family.len() {
                 family[i] = family[self.later[i].min(family.len()) - 1];
             }
@@ -127,7 +149,7 @@ mod tests {
             grid.shifted(&moves, periods as f64 * 0.05, &mut shifted);
             for (k, u) in shifted.iter().enumerate() {
                 let expected = moves.get(k + periods).unwrap_or(&0.0);
-                prop_assert!((u - expected).abs() < 1e-12, "{k}: {u} {expected}");
+                prop_assert_eq!(u, expected, "{}", k);
             }
         }
 
@@ -172,7 +194,7 @@ mod tests {
             grid.shifted(&moves, periods as f64 * 0.05, &mut shifted);
             for (k, u) in shifted.iter().enumerate() {
                 let expected = moves.get(k + periods).unwrap_or(&0.0);
-                prop_assert!((u - expected).abs() < 1e-11, "{k}: {u} {expected}");
+                prop_assert_eq!(u, expected, "{}", k);
             }
             let left: f64 = moves.iter().skip(periods).map(|u| 0.05 * u).sum();
             prop_assert!((grid.gain_left(&moves, periods as f64 * 0.05) - left).abs() < 1e-10);

@@ -256,7 +256,8 @@ impl Planner {
         // The limit itself, not what is kept back of it on long intervals.
         let limit = problem.thermal_limit.unwrap_or(f64::INFINITY);
         let mut loads = trajectory.thermal_load[1..].iter();
-        let over = loads.any(|load| load - limit > THERMAL_TOLERANCE);
+        let over = trajectory.excess > THERMAL_TOLERANCE
+            && loads.any(|load| load - limit > THERMAL_TOLERANCE);
         let task = self.task();
         // At the plan's end also what stopping takes, if that is to be kept free.
         let over = over
@@ -288,8 +289,10 @@ impl Planner {
 
     /// Improves on the plan without inequalities.
     fn run_solvers(&mut self) -> SolverStatus {
-        let guessed = self.guess_from_shifted();
-        self.guess_waiting();
+        let guessed = self.guess_from_shifted() | self.guess_waiting();
+        if !guessed {
+            self.complete_rollout();
+        }
         let status = self.run_until_solved();
         if guessed && self.safe_set.is_some() && status == SolverStatus::IterationLimit {
             return self.run_from_unconstrained();
@@ -304,6 +307,7 @@ impl Planner {
         self.unconstrained
             .solve(&self.transcription, moves, trajectory);
         widen(&mut self.angle_bounds, trajectory);
+        self.complete_rollout();
         self.state.multipliers.known = false;
         match self.run_until_solved() {
             // Unfinished plans are not worth leaving the bounds for when there was no time to try within.

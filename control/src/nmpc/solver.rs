@@ -139,12 +139,14 @@ impl Task<'_> {
         rollout.total_excess + (all - counted)
     }
 
-    /// Largest distance of θr beyond its bounds \[rad\].
-    pub fn angle_excess(&self, rollout: &Rollout) -> f64 {
+    /// Whether θr keeps its bounds.
+    pub fn keeps_angle_bounds(&self, rollout: &Rollout) -> bool {
         let inner = rollout.reference_angle[1..].iter().zip(self.angle_bounds);
-        inner.fold(0.0, |most, (angle, [lower, upper])| {
-            most.max(lower - angle).max(angle - upper)
-        })
+        // Without a branch at each.
+        let beyond = inner.fold(false, |beyond, (angle, [lower, upper])| {
+            beyond | (lower - angle > ANGLE_TOLERANCE) | (angle - upper > ANGLE_TOLERANCE)
+        });
+        !beyond
     }
 
     /// Whether a rollout keeps the angle bounds and ends in the kinetic set: all that has no slack.
@@ -159,7 +161,7 @@ impl Task<'_> {
             .map_or(0.0, |(set, (angle, velocity))| {
                 set.kinetic_excess(*angle, *velocity)
             });
-        self.angle_excess(rollout).max(short) <= ANGLE_TOLERANCE
+        short <= ANGLE_TOLERANCE && self.keeps_angle_bounds(rollout)
     }
 
     /// Largest excess of the torque over its limit (appendix C.3), in units of that; negative: within.
@@ -284,9 +286,9 @@ pub struct Outcome {
 /// Without a time limit the answer depends on the problem's parameters, the task and the guess alone, never
 /// on earlier tasks: a solver rebuilt from the parameters answers bit by bit the same.
 pub trait Solver {
-    /// Improves `moves` \[N\], given `rollout` of them, and leaves the best moves with their rollout.
-    /// The guess may violate any limit, and its end need not be at rest. Multipliers may be those of
-    /// another plan; a solver that has none leaves them unknown.
+    /// Improves `moves` \[N\], given `rollout` of them by [`Transcription::roll_out`], and leaves the best moves
+    /// with their rollout. The guess may violate any limit; where plans end at rest it does. Multipliers may be
+    /// those of another plan; a solver that has none leaves them unknown.
     fn solve(
         &mut self,
         task: &Task<'_>,

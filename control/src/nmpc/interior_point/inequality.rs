@@ -115,30 +115,24 @@ impl Inequalities {
         all.take(self.count)
     }
 
-    /// λ of number `k`; zero if there is none. Likewise below.
+    /// λ of each, in groups, the last of them filled up with next to nothing; likewise below.
     #[inline(always)]
-    pub fn multiplier(&self, k: usize) -> f64 {
-        self.pick(k, |rows| &rows.multiplier)
+    pub fn multiplier_groups(&self) -> impl Iterator<Item = &Lanes> {
+        self.groups.iter().map(|rows| &rows.multiplier)
     }
 
-    /// Σ of number `k`.
+    /// Σ of each.
     #[inline(always)]
-    pub fn weight(&self, k: usize) -> f64 {
-        self.pick(k, |rows| &rows.weight)
+    pub fn weights<A: Arithmetic>(&self) -> impl Iterator<Item = A::Vector> {
+        self.groups.iter().map(|rows| A::Vector::new(&rows.weight))
     }
 
-    /// Slope of the step's cost in quantity `k`.
+    /// Slope of the step's cost in each quantity.
     #[inline(always)]
-    pub fn slope(&self, k: usize) -> f64 {
-        self.sign * self.pick(k, |rows| &rows.slope)
-    }
-
-    #[inline(always)]
-    fn pick(&self, k: usize, of: impl Fn(&Rows) -> &Lanes) -> f64 {
-        match self.groups.get(k / LANES) {
-            Some(rows) if k < self.count => of(rows)[k % LANES],
-            _ => 0.0,
-        }
+    pub fn slopes<A: Arithmetic>(&self) -> impl Iterator<Item = A::Vector> {
+        let sign = A::Vector::splat(self.sign);
+        let groups = self.groups.iter();
+        groups.map(move |rows| sign * A::Vector::new(&rows.slope))
     }
 
     /// Sets c for the `quantities`.
@@ -156,47 +150,55 @@ impl Inequalities {
         }
     }
 
-    /// Slacks, excesses and multipliers with products `mu` near the guesses of the multipliers, or below where
-    /// slacks of at least `least` leave less of them; without guesses with such slacks.
-    pub fn start(&mut self, mu: f64, least: f64, guesses: impl Iterator<Item = f64>) {
+    /// Slacks, excesses and multipliers with products `mu` near the guesses of the multipliers, each times a scale,
+    /// or below where slacks of at least `least` leave less of them; without guesses with such slacks.
+    #[inline(always)]
+    pub fn start<A: Arithmetic>(&mut self, mu: f64, least: f64, guesses: Option<(&[f64], f64)>) {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
         let elastic = self.elastic();
-        let highest = if elastic {
+        let highest = splat(if elastic {
             BELOW_PRICE * self.price
         } else {
             STEEPEST_START
-        };
-        let mut guesses = guesses.take(self.count);
+        });
+        let (zero, mu, least) = (splat(0.0), splat(mu), splat(least));
         for (g, rows) in self.groups.iter_mut().enumerate() {
+            let first = LANES * g;
+            let room = zero - vector(&rows.value);
+            let (slack, multiplier) = match guesses {
+                Some((known, scale)) => {
+                    let mut guess = [0.0; LANES];
+                    for (guess, known) in guess.iter_mut().zip(known.iter().skip(first)) {
+                        *guess = scale * known;
+                    }
+                    let guess = vector(&guess).smaller(highest);
+                    // A row that matters gets the slack of its multiplier, any other what room there is.
+                    let slack = room.larger(mu.over(guess).smaller(least));
+                    let most = guess.larger(splat(FLATTEST_START)).smaller(highest);
+                    (slack, mu.over(slack).smaller(most))
+                }
+                None => {
+                    let slack = room.larger(least);
+                    (slack, mu.over(slack).smaller(highest))
+                }
+            };
             // Nothing of what a failed solve left is kept.
             *rows = Rows {
+                open: [1.0; LANES],
                 bound: rows.bound,
                 value: rows.value,
-                excess: [if elastic { 1.0 } else { 0.0 }; LANES],
+                slack: slack.lanes(),
+                multiplier: multiplier.lanes(),
                 ..Rows::IDLE
             };
+            if elastic {
+                rows.excess = mu.over(splat(self.price) - multiplier).lanes();
+            }
             for l in 0..LANES {
-                let Some(guess) = guesses.next() else { break };
-                if LANES * g + l < self.lost {
-                    rows.multiplier[l] = self.price;
-                    continue;
-                }
-                let guess = guess.min(highest);
-                rows.open[l] = 1.0;
-                // A row that matters gets the slack of its multiplier, any other what room there is.
-                let floor = if guess > 0.0 {
-                    (mu / guess).min(least)
-                } else {
-                    least
-                };
-                rows.slack[l] = f64::max(-rows.value[l], floor);
-                let central = (mu / rows.slack[l]).min(highest);
-                rows.multiplier[l] = if guess > 0.0 {
-                    central.min(guess.max(FLATTEST_START))
-                } else {
-                    central
-                };
-                if elastic {
-                    rows.excess[l] = mu / (self.price - rows.multiplier[l]);
+                if first + l < self.lost {
+                    rows.close(l, self.price);
+                } else if first + l >= self.count {
+                    rows.close(l, Rows::IDLE.multiplier[l]);
                 }
             }
         }

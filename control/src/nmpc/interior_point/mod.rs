@@ -38,7 +38,7 @@ use arm::{Arithmetic, Kernel, Vector};
 use self::inequality::{Aim, Inequalities, Measure, length};
 use self::newton::Newton;
 use super::rollout::Rollout;
-use super::solver::{ANGLE_TOLERANCE, Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
+use super::solver::{Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
 use super::transcription::Transcription;
 
 /// Iterations at most.
@@ -106,18 +106,6 @@ impl<const S: usize> InteriorPoint<S> {
             pace: Pace::default(),
             convex: false,
         }
-    }
-
-    /// c of all inequalities along the trial.
-    #[inline(always)]
-    fn evaluate_trial<A: Arithmetic>(&mut self) {
-        let rollout = &self.trial_rollout;
-        let [_, angles @ .., _] = &rollout.reference_angle[..] else {
-            return;
-        };
-        self.thermal.evaluate::<A>(&rollout.thermal_load[1..]);
-        self.lower.evaluate::<A>(angles);
-        self.upper.evaluate::<A>(angles);
     }
 
     #[inline(always)]
@@ -211,7 +199,8 @@ impl<const S: usize> InteriorPoint<S> {
             }
             task.transcription
                 .roll_out_with::<A, 3>(&self.trial, &mut self.trial_rollout);
-            self.evaluate_trial::<A>();
+            let families = [&mut self.thermal, &mut self.lower, &mut self.upper];
+            evaluate::<A>(families, &self.trial_rollout);
             self.thermal.advance::<A>(primal - taken);
             self.lower.advance::<A>(primal - taken);
             self.upper.advance::<A>(primal - taken);
@@ -262,7 +251,7 @@ impl<const S: usize> InteriorPoint<S> {
         rollout: &mut Rollout,
         multipliers: &mut Multipliers,
     ) -> Outcome {
-        self.start::<A>(task, moves, rollout, multipliers);
+        self.start::<A>(task, rollout, multipliers);
         self.pace.restart();
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
@@ -307,7 +296,7 @@ impl<const S: usize> InteriorPoint<S> {
             moves.copy_from_slice(&self.best);
             task.transcription.roll_out_with::<A, 3>(moves, rollout);
         }
-        if status != SolverStatus::OutOfTime && task.angle_excess(rollout) > ANGLE_TOLERANCE {
+        if status != SolverStatus::OutOfTime && !task.keeps_angle_bounds(rollout) {
             status = SolverStatus::Infeasible;
         }
         // Multipliers of an unfinished plan would lead the next one astray.
@@ -328,6 +317,17 @@ impl<const S: usize> InteriorPoint<S> {
             convex_problems: 0,
         }
     }
+}
+
+/// Sets c of all inequalities along `rollout`.
+#[inline(always)]
+fn evaluate<A: Arithmetic>([thermal, lower, upper]: [&mut Inequalities; 3], rollout: &Rollout) {
+    let [_, angles @ .., _] = &rollout.reference_angle[..] else {
+        return;
+    };
+    thermal.evaluate::<A>(&rollout.thermal_load[1..]);
+    lower.evaluate::<A>(angles);
+    upper.evaluate::<A>(angles);
 }
 
 /// Sum over the families.

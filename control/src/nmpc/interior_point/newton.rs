@@ -10,7 +10,7 @@
 //! whose first part is convex, and the whole is if and only if τ_j·g'' ≥ 0. Where the sum over all stages would
 //! have no minimum, the second part is left out of those where it is negative.
 
-use arm::{Arithmetic, LANES};
+use arm::{Arithmetic, LANES, Vector};
 
 use self::assembly::Assembly;
 use self::linear::Linear;
@@ -40,6 +40,12 @@ pub struct Newton<const S: usize> {
     pub angle: Vec<[f64; LANES]>,
     /// Change of T, likewise.
     pub load: Vec<[f64; LANES]>,
+    /// Weights, then slopes, of the inequalities of θr at the nodes from 1 on, likewise.
+    of_angle: Vec<[f64; LANES]>,
+    /// Those of the inequalities of T, likewise.
+    of_load: Vec<[f64; LANES]>,
+    /// λ of the latter, likewise.
+    multipliers: Vec<[f64; LANES]>,
     /// Decrease of the linearised cost to expect.
     pub decrease: f64,
 }
@@ -83,6 +89,9 @@ impl<const S: usize> Newton<S> {
             moves: vec![0.0; horizon],
             angle: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
             load: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
+            of_angle: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
+            of_load: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
+            multipliers: vec![[0.0; LANES]; horizon.div_ceil(LANES)],
             decrease: 0.0,
         }
     }
@@ -100,17 +109,26 @@ impl<const S: usize> Newton<S> {
     ) -> bool {
         let horizon = moves.len();
         let assembly = Assembly::new(task, convex);
+        let [thermal, lower, upper] = families;
+        let of_angle = lower.weights::<A>().zip(upper.weights::<A>());
+        write(&mut self.of_angle, of_angle.map(|(l, u)| l + u));
+        write(&mut self.of_load, thermal.weights::<A>());
+        for (own, multipliers) in self.multipliers.iter_mut().zip(thermal.multiplier_groups()) {
+            *own = *multipliers;
+        }
+        let of_angle = self.of_angle.as_flattened();
+        let of_load = self.of_load.as_flattened();
+        let multipliers = self.multipliers.as_flattened();
         let mut price = [[0.0; S]; S];
-        let [angle_weight, load_weight] = weights(families, horizon);
-        price[0][0] = angle_weight;
-        price[LOAD][LOAD] = load_weight;
+        price[0][0] = of_angle[horizon - 1];
+        price[LOAD][LOAD] = of_load[horizon - 1];
         // ∂𝓛/∂T after the interval.
         let mut load_price = 0.0;
         for k in (0..horizon).rev() {
             let interval = task.transcription.interval(k);
             let form = &self.forms[k.min(self.forms.len() - 1)];
             let linear = &mut self.linear[k];
-            load_price += families[0].multiplier(k);
+            load_price += multipliers[k];
             let (mut own, own_load_price) = assembly.linearise::<A, S>(
                 interval,
                 form,
@@ -121,9 +139,10 @@ impl<const S: usize> Newton<S> {
             );
             load_price = A::mul_add(load_price, interval.thermal.decay(), own_load_price);
             // Inequalities of the node at the interval's start; at the first nothing is left to decide.
-            let [angle_weight, load_weight] = weights(families, k);
-            own.xx[0][0] += angle_weight;
-            own.xx[LOAD][LOAD] += load_weight;
+            if let Some(node) = k.checked_sub(1) {
+                own.xx[0][0] += of_angle[node];
+                own.xx[LOAD][LOAD] += of_load[node];
+            }
             let imposed = (k + 2).checked_sub(horizon).map(|end| &self.ends[end]);
             if !linear.recur::<A>(&own, &mut price, imposed) {
                 return false;
@@ -137,10 +156,16 @@ impl<const S: usize> Newton<S> {
     pub fn solve<A: Arithmetic>(&mut self, [thermal, lower, upper]: [&Inequalities; 3]) {
         let mut p = [0.0; S];
         let mut decrease = 0.0;
-        let rows = self.linear.iter().zip(&mut self.moves).enumerate();
-        for (k, (linear, u)) in rows.rev() {
-            p[0] += lower.slope(k) + upper.slope(k);
-            p[LOAD] += thermal.slope(k);
+        let of_angle = lower.slopes::<A>().zip(upper.slopes::<A>());
+        write(&mut self.of_angle, of_angle.map(|(l, u)| l + u));
+        write(&mut self.of_load, thermal.slopes::<A>());
+        let slopes = self.of_angle.as_flattened().iter();
+        let slopes = slopes.zip(self.of_load.as_flattened());
+        let horizon = self.linear.len();
+        let rows = self.linear.iter().zip(&mut self.moves);
+        for ((linear, u), (of_angle, of_load)) in rows.zip(slopes.take(horizon)).rev() {
+            p[0] += of_angle;
+            p[LOAD] += of_load;
             let Policy { gain, inverse } = &linear.policy;
             let mut through = linear.gradient_by_move;
             let mut next = linear.transposed::<A>(&p);
@@ -169,11 +194,12 @@ impl<const S: usize> Newton<S> {
     }
 }
 
-/// Σ of the inequalities of θr and T at node `node`; those of the first node are no inequalities.
+/// Fills as many groups as there are vectors.
 #[inline(always)]
-fn weights([thermal, lower, upper]: [&Inequalities; 3], node: usize) -> [f64; 2] {
-    let k = node.wrapping_sub(1);
-    [lower.weight(k) + upper.weight(k), thermal.weight(k)]
+fn write<V: Vector>(groups: &mut [[f64; LANES]], vectors: impl Iterator<Item = V>) {
+    for (group, vector) in groups.iter_mut().zip(vectors) {
+        *group = vector.lanes();
+    }
 }
 
 /// The form without z, and with T in its place.

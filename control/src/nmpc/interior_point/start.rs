@@ -6,7 +6,7 @@ use super::super::problem::Problem;
 use super::super::rollout::Rollout;
 use super::super::solver::{Multipliers, Task};
 use super::super::transcription::Transcription;
-use super::{InteriorPoint, RESIDUAL};
+use super::{InteriorPoint, RESIDUAL, evaluate};
 
 /// Least slack at the start, in units of the bound's size.
 const LEAST_SLACK: f64 = 1e-2;
@@ -27,13 +27,12 @@ impl<const S: usize> InteriorPoint<S> {
         cooled.count()
     }
 
-    /// Rolls the guess out, led to rest, and places slacks and multipliers.
+    /// Places slacks and multipliers for the `rollout` of the guess.
     #[inline(always)]
     pub(super) fn start<A: Arithmetic>(
         &mut self,
         task: &Task<'_>,
-        moves: &mut [f64],
-        rollout: &mut Rollout,
+        rollout: &Rollout,
         multipliers: &Multipliers,
     ) {
         let transcription = task.transcription;
@@ -44,21 +43,16 @@ impl<const S: usize> InteriorPoint<S> {
         self.lower
             .set_bounds(bounds.clone().map(|bounds| bounds[0]));
         self.upper.set_bounds(bounds.map(|bounds| bounds[1]));
-        transcription.end_at_rest(moves);
-        transcription.roll_out_with::<A, 3>(moves, &mut self.trial_rollout);
-        self.evaluate_trial::<A>();
-        std::mem::swap(rollout, &mut self.trial_rollout);
+        evaluate::<A>(self.families(), rollout);
         self.thermal.price = task.excess_weight;
         self.thermal.lost = self.lost(transcription);
-        let known = multipliers.known;
-        let mu = if known { WARM } else { COLD };
-        let scaled = |guess: &f64| {
-            if known { guess / task.cost_scale } else { 0.0 }
-        };
+        let mu = if multipliers.known { WARM } else { COLD };
+        let scale = 1.0 / task.cost_scale;
         let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
         let families = self.families().into_iter().zip(leasts(problem));
         for ((family, least), guesses) in families.zip(guesses) {
-            family.start(mu, least, guesses.iter().map(scaled));
+            let guesses = multipliers.known.then_some((&guesses[..], scale));
+            family.start::<A>(mu, least, guesses);
         }
         self.measures = self.measure::<A>();
     }

@@ -12,6 +12,10 @@ pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollo
     // A solver's tolerance beyond a bound is no licence to leave it.
     let mut below = start < lower - ANGLE_TOLERANCE;
     let mut above = start > upper + ANGLE_TOLERANCE;
+    if !(below || above) {
+        bounds.fill([lower, upper]);
+        return;
+    }
     for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
         below &= angle < lower;
         above &= angle > upper;

@@ -1,5 +1,6 @@
 //! Where solvers start.
 
+use super::super::plan::Plan;
 use super::super::solver::SolverStatus;
 use super::Planner;
 use super::waiting::wait;
@@ -17,21 +18,32 @@ impl Planner {
     }
 
     /// From above the thermal limit, replaces the plan by one that waits where that takes little torque, if that
-    /// is better.
-    pub(super) fn guess_waiting(&mut self) {
+    /// is better; whether one is.
+    pub(super) fn guess_waiting(&mut self) -> bool {
         let transcription = &self.transcription;
         let limit = transcription.problem().thermal_limit;
         let load = transcription.initial().thermal_load;
         if self.safe_set.is_some() || limit.is_none_or(|limit| load <= limit) {
-            return;
+            return false;
         }
+        let mut guessed = false;
         for index in 0..self.rest.calm().len() {
             let place = self.rest.calm()[index];
             let nodes = self.grid.nodes();
             if wait(&self.transcription, place, nodes, &mut self.guess) && self.take_guess() {
                 self.state.multipliers.known = false;
+                guessed = true;
             }
         }
+        guessed
+    }
+
+    /// Adds what solvers need to the rollout of the plan without inequalities.
+    pub(super) fn complete_rollout(&mut self) {
+        let Plan {
+            moves, trajectory, ..
+        } = &mut self.plan;
+        self.transcription.roll_out(moves, trajectory);
     }
 
     /// Replaces the plan by the guess, led to the goal, if that is better; whether it is.
@@ -59,6 +71,7 @@ impl Planner {
         std::mem::swap(&mut plan.trajectory, &mut self.guess_trajectory);
         self.unconstrained
             .solve(&self.transcription, &mut plan.moves, &mut plan.trajectory);
+        self.complete_rollout();
         self.state.multipliers.known = false;
         let status = self.run_until_solved();
         let task = self.task();

@@ -3,7 +3,7 @@
 use arm::{Arithmetic, LANES, Vector};
 
 /// Multiplier of rows that only fill a group up.
-const NEXT_TO_NOTHING: f64 = 1e-9;
+const NEXT_TO_NOTHING: f64 = 1e-200;
 
 /// A number for each of four inequalities.
 pub type Lanes = [f64; LANES];
@@ -62,6 +62,14 @@ impl Rows {
         excess_step: [0.0; LANES],
         multiplier_step: [0.0; LANES],
     };
+
+    /// Takes row `l` out: its multiplier stays as it is.
+    pub fn close(&mut self, l: usize, multiplier: f64) {
+        self.open[l] = 0.0;
+        self.slack[l] = 1.0;
+        self.excess[l] = 1.0;
+        self.multiplier[l] = multiplier;
+    }
 
     /// m_s/λ and m_t/ν.
     #[inline(always)]

@@ -54,7 +54,7 @@ impl Kernel for Iteration {
             mu,
         } = self;
         family.evaluate::<A>(&quantities);
-        family.start(mu, 0.1, [0.0; COUNT].into_iter());
+        family.start::<A>(mu, 0.1, None);
         let before = family.measure::<A>();
         assert!((before.gap - mu * family.products()).abs() < 1e-9);
         family.predict::<A>();
@@ -106,9 +106,11 @@ impl Kernel for Iteration {
         assert_solved(&family, &changes, [&expected[0], &expected[1]]);
         // The slope is what the multiplier would be without a change of c.
         let steps = numbers(|rows| &rows.multiplier_step, &family);
+        let weights = numbers(|rows| &rows.weight, &family);
+        let multipliers = numbers(|rows| &rows.multiplier, &family);
         for i in 0..COUNT {
-            let of_change = family.weight(i) * family.sign * changes.as_flattened()[i];
-            let expected = family.multiplier(i) + steps[i] - of_change;
+            let of_change = weights[i] * family.sign * changes.as_flattened()[i];
+            let expected = multipliers[i] + steps[i] - of_change;
             assert!((slopes[i] - expected).abs() < 1e-9);
         }
     }
@@ -138,7 +140,8 @@ proptest! {
         let least = 0.1;
         let mut family = Inequalities::new(COUNT, if elastic { 10.0 } else { f64::INFINITY }, 1.0);
         family.evaluate::<arm::Separate>(&quantities);
-        family.start(mu, least, guesses.iter().copied());
+        let halves: Vec<f64> = guesses.iter().map(|guess| 0.5 * guess).collect();
+        family.start::<arm::Separate>(mu, least, Some((&halves, 2.0)));
         let of = |of: fn(&Rows) -> &Lanes| numbers(of, &family);
         let (s, t, lambda) = (of(|r| &r.slack), of(|r| &r.excess), of(|r| &r.multiplier));
         for i in 0..COUNT {
@@ -164,7 +167,7 @@ proptest! {
         let price = if elastic { 10.0 } else { f64::INFINITY };
         let mut family = Inequalities::new(COUNT, price, 1.0);
         family.evaluate::<arm::Separate>(&quantities);
-        family.start(0.3, 0.1, [0.0; COUNT].into_iter());
+        family.start::<arm::Separate>(0.3, 0.1, None);
         family.restart(mu, 0.1);
         let measure = family.measure::<arm::Separate>();
         prop_assert!((measure.gap - mu * family.products()).abs() < 1e-8 * measure.gap);
@@ -188,7 +191,7 @@ proptest! {
         let mut family = Inequalities::new(COUNT, if elastic { 10.0 } else { f64::INFINITY }, 1.0);
         family.lost = if elastic { lost } else { 0 };
         family.evaluate::<arm::Separate>(&quantities);
-        family.start(0.3, 0.1, [0.0; COUNT].into_iter());
+        family.start::<arm::Separate>(0.3, 0.1, None);
         for rows in &mut family.groups {
             for l in 0..LANES {
                 rows.slack[l] += 0.3 * rows.open[l];
