@@ -78,8 +78,8 @@ struct InteriorPoint<const S: usize> {
     thermal: Inequalities,
     lower: Inequalities,
     upper: Inequalities,
-    /// Of the three families at the latest iterate.
-    measures: [Measure; 3],
+    /// Of all inequalities at the latest iterate.
+    measured: Measure,
     trial: Vec<f64>,
     trial_rollout: Rollout,
     /// Moves of the best plan among the iterates [N].
@@ -99,7 +99,7 @@ impl<const S: usize> InteriorPoint<S> {
             thermal: Inequalities::new(loads, 1.0, 1.0),
             lower: Inequalities::new(horizon - 1, f64::INFINITY, -1.0),
             upper: Inequalities::new(horizon - 1, f64::INFINITY, 1.0),
-            measures: [Measure::default(); 3],
+            measured: Measure::default(),
             trial: vec![0.0; horizon],
             trial_rollout: Rollout::new(horizon),
             best: vec![0.0; horizon],
@@ -114,12 +114,15 @@ impl<const S: usize> InteriorPoint<S> {
     }
 
     #[inline(always)]
-    fn measure<A: Arithmetic>(&self) -> [Measure; 3] {
-        [
-            self.thermal.measure::<A>(),
-            self.lower.measure::<A>(),
-            self.upper.measure::<A>(),
-        ]
+    fn measure<A: Arithmetic>(&self) -> Measure {
+        let angle = self.lower.measure::<A>().and(self.upper.measure::<A>());
+        self.thermal.measure::<A>().and(angle)
+    }
+
+    /// Σ η·|r| over all inequalities.
+    #[inline(always)]
+    fn penalty<A: Arithmetic>(&self) -> f64 {
+        self.thermal.penalty::<A>() + self.lower.penalty::<A>() + self.upper.penalty::<A>()
     }
 
     /// Newton step towards products of `aim` and the steps of the inequalities that go with it; the largest
@@ -144,7 +147,7 @@ impl<const S: usize> InteriorPoint<S> {
         moves: &[f64],
         rollout: &Rollout,
     ) -> Option<Step> {
-        let gap = total(&self.measures, |measure| measure.gap);
+        let gap = self.measured.gap;
         self.thermal.predict::<A>();
         self.lower.predict::<A>();
         self.upper.predict::<A>();
@@ -184,11 +187,11 @@ impl<const S: usize> InteriorPoint<S> {
         rollout: &mut Rollout,
     ) -> bool {
         let scale = 1.0 / task.cost_scale;
-        let merit = |cost: f64, measures: &[Measure; 3]| {
-            cost * scale + total(measures, |measure| measure.merit(step.mu))
+        let merit = |cost: f64, measured: &Measure, penalty: f64| {
+            cost * scale + measured.barrier(step.mu) + penalty
         };
         // η follows from the step.
-        let before = merit(rollout.cost, &self.measure::<A>());
+        let before = merit(rollout.cost, &self.measured, self.penalty::<A>());
         let tolerance = 1e-12 * before.abs();
         let (mut primal, mut taken) = (step.primal, 0.0);
         let mut after = f64::NAN;
@@ -205,7 +208,8 @@ impl<const S: usize> InteriorPoint<S> {
             self.lower.advance::<A>(primal - taken);
             self.upper.advance::<A>(primal - taken);
             taken = primal;
-            after = merit(self.trial_rollout.cost, &self.measure::<A>());
+            let (cost, penalty) = (self.trial_rollout.cost, self.penalty::<A>());
+            after = merit(cost, &self.measure::<A>(), penalty);
             if after <= before + tolerance {
                 break;
             }
@@ -217,7 +221,7 @@ impl<const S: usize> InteriorPoint<S> {
         self.thermal.settle::<A>(step.dual);
         self.lower.settle::<A>(step.dual);
         self.upper.settle::<A>(step.dual);
-        self.measures = self.measure::<A>();
+        self.measured = self.measure::<A>();
         moves.copy_from_slice(&self.trial);
         std::mem::swap(rollout, &mut self.trial_rollout);
         true
@@ -228,19 +232,15 @@ impl<const S: usize> InteriorPoint<S> {
         let unit = f64::max(1.0, rollout.cost / task.cost_scale);
         let missed = PENALTY * rollout.total_excess;
         let penalty = task.excess_weight * missed;
-        let gap = total(&self.measures, |measure| measure.gap);
         let residual = RESIDUAL + 1e-2 * missed;
         let promised = if self.convex {
             SADDLE * self.newton.decrease
         } else {
             self.newton.decrease
         };
-        gap <= GAP * unit + penalty
+        self.measured.gap <= GAP * unit + penalty
             && promised <= DECREASE * unit + penalty
-            && self
-                .measures
-                .iter()
-                .all(|measure| measure.residual <= residual)
+            && self.measured.residual <= residual
     }
 
     #[inline(always)]
@@ -328,12 +328,6 @@ fn evaluate<A: Arithmetic>([thermal, lower, upper]: [&mut Inequalities; 3], roll
     thermal.evaluate::<A>(&rollout.thermal_load[1..]);
     lower.evaluate::<A>(angles);
     upper.evaluate::<A>(angles);
-}
-
-/// Sum over the families.
-#[inline(always)]
-fn total(measures: &[Measure; 3], of: impl Fn(&Measure) -> f64) -> f64 {
-    measures.iter().map(of).sum()
 }
 
 /// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.

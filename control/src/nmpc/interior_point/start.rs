@@ -54,7 +54,7 @@ impl<const S: usize> InteriorPoint<S> {
             let guesses = multipliers.known.then_some((&guesses[..], scale));
             family.start::<A>(mu, least, guesses);
         }
-        self.measures = self.measure::<A>();
+        self.measured = self.measure::<A>();
     }
 
     /// Goes on from the latest iterate with products `mu`.
@@ -63,7 +63,7 @@ impl<const S: usize> InteriorPoint<S> {
         for (family, least) in self.families().into_iter().zip(leasts(problem)) {
             family.restart(mu, least);
         }
-        self.measures = self.measure::<A>();
+        self.measured = self.measure::<A>();
     }
 }
 

@@ -1,4 +1,4 @@
-//! Sums over the inequalities: what convergence and merit are judged by, in one pass.
+//! Sums over the inequalities: what convergence and merit are judged by.
 
 use arm::{Arithmetic, Vector, elementary};
 
@@ -19,26 +19,47 @@ pub struct Measure {
     pub gap: f64,
     /// Largest |r|.
     pub residual: f64,
-    /// Σ η·|r|.
-    residuals: f64,
     /// Price of all excess.
     excess: f64,
-    /// Σ(ln s + ln t).
-    logarithms: f64,
+    /// Π s·t.
+    product: Product,
 }
 
 impl Measure {
-    /// Barrier, price of excess and Σ η·|r|, η of each row a little above its multiplier: what a row's
-    /// residual is worth, so that little is asked of those that matter little.
-    pub fn merit(&self, mu: f64) -> f64 {
-        self.excess - mu * self.logarithms + self.residuals
+    /// Of these inequalities and those of `other`.
+    #[inline(always)]
+    pub fn and(mut self, other: Self) -> Self {
+        self.product.multiply(other.product.mantissa);
+        self.product.exponent += other.product.exponent;
+        Self {
+            gap: self.gap + other.gap,
+            residual: f64::max(self.residual, other.residual),
+            excess: self.excess + other.excess,
+            product: self.product,
+        }
+    }
+
+    /// Price of excess and barrier, −μ·Σ(ln s + ln t).
+    pub fn barrier(&self, mu: f64) -> f64 {
+        self.excess - mu * self.product.ln()
     }
 }
 
 /// A product of any number of positive factors, mantissa and exponent apart.
+#[derive(Clone, Copy, Debug)]
 struct Product {
     mantissa: f64,
     exponent: i64,
+}
+
+impl Default for Product {
+    /// Of no factors.
+    fn default() -> Self {
+        Self {
+            mantissa: 1.0,
+            exponent: 0,
+        }
+    }
 }
 
 impl Product {
@@ -61,13 +82,8 @@ impl Inequalities {
     pub fn measure<A: Arithmetic>(&self) -> Measure {
         let (vector, splat) = (A::Vector::new, A::Vector::splat);
         let elastic = self.elastic();
-        let mut product = Product {
-            mantissa: 1.0,
-            exponent: 0,
-        };
-        let flattest = splat(FLATTEST * self.steepest::<A>());
-        let (mut gap, mut residuals, mut excess) = (splat(0.0), splat(0.0), splat(0.0));
-        let mut residual = splat(0.0);
+        let mut product = Product::default();
+        let (mut gap, mut excess, mut residual) = (splat(0.0), splat(0.0), splat(0.0));
         for groups in self.groups.chunks(FACTORS) {
             let mut factors = splat(1.0);
             for rows in groups {
@@ -84,10 +100,7 @@ impl Inequalities {
                 }
                 gap = products.mul_add(open, gap);
                 let r = open * (c + s - t);
-                let size = r.larger(splat(0.0) - r);
-                let after = lambda + vector(&rows.multiplier_step);
-                residuals = size.mul_add(lambda.larger(after).larger(flattest), residuals);
-                residual = size.larger(residual);
+                residual = r.larger(splat(0.0) - r).larger(residual);
             }
             let [a, b, c, d] = factors.lanes();
             product.multiply((a * c) * (b * d));
@@ -95,13 +108,30 @@ impl Inequalities {
         Measure {
             gap: gap.sum(),
             residual: largest(residual),
-            residuals: STEEPER * residuals.sum(),
             excess: if elastic {
                 self.price * excess.sum()
             } else {
                 0.0
             },
-            logarithms: product.ln(),
+            product,
         }
+    }
+
+    /// Σ η·|r|, η of each row a little above its multiplier before and after the latest step: what a row's residual
+    /// is worth, so that little is asked of those that matter little.
+    #[inline(always)]
+    pub fn penalty<A: Arithmetic>(&self) -> f64 {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let flattest = splat(FLATTEST * self.steepest::<A>());
+        let mut residuals = splat(0.0);
+        for rows in &self.groups {
+            let (s, t) = (vector(&rows.slack), vector(&rows.excess));
+            let r = vector(&rows.open) * (vector(&rows.value) + s - t);
+            let lambda = vector(&rows.multiplier);
+            let after = lambda + vector(&rows.multiplier_step);
+            let size = r.larger(splat(0.0) - r);
+            residuals = size.mul_add(lambda.larger(after).larger(flattest), residuals);
+        }
+        STEEPER * residuals.sum()
     }
 }

@@ -215,7 +215,11 @@ proptest! {
                 merit += family.price * t[i] - 0.2 * t[i].ln();
             }
         }
-        prop_assert!((measure.merit(0.2) - merit).abs() < 1e-9);
+        prop_assert!((measure.barrier(0.2) + family.penalty::<arm::Separate>() - merit).abs() < 1e-9);
         prop_assert!((measure.residual - most).abs() < 1e-12);
+        // Of two families the sums are sums, and the largest the larger.
+        let both = measure.and(measure);
+        prop_assert!((both.barrier(0.2) - 2.0 * measure.barrier(0.2)).abs() < 1e-9);
+        prop_assert_eq!((both.gap, both.residual), (2.0 * measure.gap, measure.residual));
     }
 }
