@@ -9,7 +9,8 @@
 //! 1. linearises around the rollout and factorises once (`newton`), with the exact curvature of heat if
 //!    that has a minimum, with the convex parts of it otherwise;
 //! 2. solves for complementarity products of zero, then again for μ·(the ratio of products left)², with
-//!    Mehrotra's correction;
+//!    Mehrotra's correction; a plan that goes on from the previous one and is nearly there only once, for
+//!    the last products;
 //! 3. shortens the step until the merit
 //!    `cost/cost_scale + Σ ρ·t − μ·Σ(ln s + ln t) + Σ η·|r|` falls, η of each row above its multiplier;
 //! 4. lets the slacks take in what the true T is below its linearisation.
@@ -32,11 +33,13 @@
 mod inequality;
 mod newton;
 mod start;
+mod step;
 
-use arm::{Arithmetic, Kernel, Vector};
+use arm::{Arithmetic, Kernel};
 
-use self::inequality::{Aim, Inequalities, Measure, length};
+use self::inequality::{Inequalities, Measure};
 use self::newton::Newton;
+use self::step::Step;
 use super::rollout::Rollout;
 use super::solver::{Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
 use super::transcription::Transcription;
@@ -47,8 +50,6 @@ const MAX_ITERATIONS: u32 = 60;
 const MAX_TRIALS: u32 = 4;
 /// Length of a step in units of the one that was too long.
 const SHORTER: f64 = 0.5;
-/// Part of the products that is aimed at, at least, for each part of the predictor that cannot be taken.
-const UNFINISHED: f64 = 0.3;
 /// Sum of the products at the end, in units of the larger of cost and its scale.
 const GAP: f64 = 2e-7;
 /// Decrease that the last step promised, in the same units.
@@ -87,6 +88,8 @@ struct InteriorPoint<const S: usize> {
     pace: Pace,
     /// Whether the latest step is that of the convex parts of the curvature.
     convex: bool,
+    /// Whether the plan goes on from the previous one.
+    warm: bool,
 }
 
 impl<const S: usize> InteriorPoint<S> {
@@ -105,6 +108,7 @@ impl<const S: usize> InteriorPoint<S> {
             best: vec![0.0; horizon],
             pace: Pace::default(),
             convex: false,
+            warm: false,
         }
     }
 
@@ -123,57 +127,6 @@ impl<const S: usize> InteriorPoint<S> {
     #[inline(always)]
     fn penalty<A: Arithmetic>(&self) -> f64 {
         self.thermal.penalty::<A>() + self.lower.penalty::<A>() + self.upper.penalty::<A>()
-    }
-
-    /// Newton step towards products of `aim` and the steps of the inequalities that go with it; the largest
-    /// primal and dual step lengths.
-    #[inline(always)]
-    fn solve_for<A: Arithmetic>(&mut self, aim: Aim) -> [f64; 2] {
-        self.newton
-            .solve::<A>([&self.thermal, &self.lower, &self.upper]);
-        let mut rates = [A::Vector::splat(0.0); 2];
-        let Newton { load, angle, .. } = &self.newton;
-        self.thermal.step::<A>(aim, load, &mut rates);
-        self.lower.step::<A>(aim, angle, &mut rates);
-        self.upper.step::<A>(aim, angle, &mut rates);
-        [length(rates[0], aim.mu), length(rates[1], aim.mu)]
-    }
-
-    /// The predictor's and the corrector's step; none if there is no minimum.
-    #[inline(always)]
-    fn step<A: Arithmetic>(
-        &mut self,
-        task: &Task<'_>,
-        moves: &[f64],
-        rollout: &Rollout,
-    ) -> Option<Step> {
-        let gap = self.measured.gap;
-        self.thermal.predict::<A>();
-        self.lower.predict::<A>();
-        self.upper.predict::<A>();
-        let families = [&self.thermal, &self.lower, &self.upper];
-        let newton = &mut self.newton;
-        self.convex = !newton.factorise::<A>(task, moves, rollout, families, false);
-        if self.convex && !newton.factorise::<A>(task, moves, rollout, families, true) {
-            return None;
-        }
-        let [primal, dual] = self.solve_for::<A>(Aim::ZERO);
-        let after = self.thermal.gap_after::<A>(primal, dual)
-            + self.lower.gap_after::<A>(primal, dual)
-            + self.upper.gap_after::<A>(primal, dual);
-        let ratio = (after / gap).clamp(0.0, 1.0);
-        let share = f64::max(ratio * ratio, UNFINISHED * (1.0 - primal.min(dual)));
-        let products = self.thermal.products() + self.lower.products() + self.upper.products();
-        let mu = f64::max(share * gap, 0.1 * GAP) / products;
-        let aim = Aim {
-            mu,
-            correction: 1.0,
-        };
-        self.thermal.correct::<A>(aim);
-        self.lower.correct::<A>(aim);
-        self.upper.correct::<A>(aim);
-        let [primal, dual] = self.solve_for::<A>(aim);
-        Some(Step { mu, primal, dual })
     }
 
     /// Shortens the step until the merit falls, or [`MAX_TRIALS`] times, and takes it; false if it leads
@@ -252,6 +205,7 @@ impl<const S: usize> InteriorPoint<S> {
         multipliers: &mut Multipliers,
     ) -> Outcome {
         self.start::<A>(task, rollout, multipliers);
+        self.warm = multipliers.known;
         self.pace.restart();
         self.best.copy_from_slice(moves);
         let mut best = task.rank(rollout);
@@ -328,14 +282,6 @@ fn evaluate<A: Arithmetic>([thermal, lower, upper]: [&mut Inequalities; 3], roll
     thermal.evaluate::<A>(&rollout.thermal_load[1..]);
     lower.evaluate::<A>(angles);
     upper.evaluate::<A>(angles);
-}
-
-/// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.
-#[derive(Clone, Copy)]
-struct Step {
-    mu: f64,
-    primal: f64,
-    dual: f64,
 }
 
 /// The solver for the problem of `transcription`.
