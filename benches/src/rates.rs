@@ -27,7 +27,7 @@ const LATENCIES: [f64; 3] = [0.01, 0.025, 0.05];
 ///
 /// Scores are squared errors summed over the samples; the excess is that of the thermal load over the plans' limit,
 /// at the instants of the plans. The pendulum's controller is wrong about the arm by 8 % in stiffness and 3 % in
-/// inertia (eq 32). Nothing here depends on the machine.
+/// inertia (eq 32), but for "known", the same setpoints with a controller that is right. Nothing here depends on the machine.
 #[derive(Args)]
 pub struct Options {
     /// Where the figure goes (SVG) [default: dist/benches/rates.svg in the workspace]
@@ -46,7 +46,7 @@ struct Task {
     at: fn(f64) -> [f64; 2],
 }
 
-fn tasks() -> [Task; 4] {
+fn tasks() -> [Task; 5] {
     let task = |name: &str, settings, arm, start, at| Task {
         name: name.to_owned(),
         settings,
@@ -55,6 +55,10 @@ fn tasks() -> [Task; 4] {
         at,
     };
     let (tflex, pendulum) = (Parameters::tflex(), Parameters::pendulum());
+    let knowing = Settings {
+        arm: pendulum,
+        ..Settings::pendulum()
+    };
     [
         task("T-flex, setpoints", Settings::tflex(), tflex, 1.3, |t| {
             rates::setpoint(&TFLEX, t)
@@ -69,6 +73,9 @@ fn tasks() -> [Task; 4] {
             0.785,
             |t| rates::setpoint(&PENDULUM, t),
         ),
+        task("pendulum, known", knowing, pendulum, 0.785, |t| {
+            rates::setpoint(&PENDULUM, t)
+        }),
         task(
             "pendulum, push",
             Settings::pendulum(),
