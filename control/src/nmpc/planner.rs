@@ -34,9 +34,7 @@ use super::rest::RestPoints;
 use super::rollout::{Rollout, are_finite};
 use super::safe_set::SafeSet;
 use super::settings::{Method, Settings};
-use super::solver::{
-    ANGLE_TOLERANCE, Clock, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit,
-};
+use super::solver::{Clock, Solver, SolverStatus, THERMAL_TOLERANCE, Task, TimeLimit};
 use super::spline;
 use super::transcription::Transcription;
 use super::unconstrained::Unconstrained;
@@ -72,6 +70,8 @@ pub struct Planner {
     least_scale: f64,
     cost_scale: f64,
     angle_bounds: Vec<[f64; 2]>,
+    /// Whether these are wider than the problem's.
+    widened: bool,
     state: PlannerState,
     plan: Plan,
     shifted: Rollout,
@@ -137,6 +137,7 @@ impl Planner {
             least_scale,
             cost_scale: least_scale,
             angle_bounds: vec![[0.0; 2]; problem.bounded_nodes()],
+            widened: false,
             state: PlannerState::new(horizon, braking),
             plan: Plan::new(&grid),
             shifted: Rollout::new(horizon),
@@ -220,7 +221,7 @@ impl Planner {
             self.unconstrained
                 .solve(&self.transcription, &mut plan.moves, &mut plan.trajectory);
         self.cost_scale = plan.trajectory.cost.max(self.least_scale);
-        bound_angle(
+        self.widened = bound_angle(
             &mut self.angle_bounds,
             self.transcription.problem(),
             &plan.trajectory,
@@ -263,11 +264,7 @@ impl Planner {
         let over = over
             || (task.safe_set.is_some() && task.excess(trajectory) > THERMAL_TOLERANCE)
             || task.torque_excess(trajectory) > TORQUE_SLACK;
-        let (lowest, highest) = (problem.angle_lower, problem.angle_upper);
-        let widened = self
-            .angle_bounds
-            .iter()
-            .any(|&[l, u]| l < lowest - ANGLE_TOLERANCE || u > highest + ANGLE_TOLERANCE);
+        let widened = self.widened;
         match status {
             SolverStatus::Solved if over => Some(PlanStatus::ThermalSlack),
             SolverStatus::Solved if widened => Some(PlanStatus::AngleSlack),
@@ -306,7 +303,8 @@ impl Planner {
         } = &mut self.plan;
         self.unconstrained
             .solve(&self.transcription, moves, trajectory);
-        widen(&mut self.angle_bounds, trajectory);
+        let problem = self.transcription.problem();
+        self.widened = widen(&mut self.angle_bounds, problem, trajectory);
         self.complete_rollout();
         self.state.multipliers.known = false;
         match self.run_until_solved() {

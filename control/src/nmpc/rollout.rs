@@ -60,13 +60,15 @@ impl Rollout {
 
     /// Whether cost and trajectory are finite numbers.
     pub fn is_finite(&self) -> bool {
-        let nodes = [
+        // Each node follows from the one before: what is no finite number once never is again.
+        let ends = [
             &self.angle,
             &self.reference_angle,
             &self.reference_velocity,
             &self.thermal_load,
         ];
-        self.cost.is_finite() && nodes.iter().all(|node| are_finite(node))
+        let mut ends = ends.iter().map(|nodes| nodes.last());
+        self.cost.is_finite() && ends.all(|end| end.is_some_and(|end| end.is_finite()))
     }
 }
 
@@ -99,6 +101,62 @@ impl Sensitivity {
         Self {
             gradient: vec![[0.0; 3]; horizon],
             heat_price: vec![[0.0; STAGES]; horizon],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::examples::{pendulum, tflex};
+    use super::super::problem::Initial;
+    use super::super::transcription::Transcription;
+    use super::*;
+    use arm::Instructions;
+
+    #[test]
+    fn what_is_no_finite_number_is_found_wherever_it_is() {
+        for length in 0..20 {
+            assert!(are_finite(&vec![-f64::MAX; length]));
+            for at in 0..length {
+                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut numbers = vec![1.0; length];
+                    numbers[at] = bad;
+                    assert!(!are_finite(&numbers));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_rollout_is_finite_if_all_of_it_is() {
+        for problem in [pendulum(), tflex()] {
+            let mut transcription = Transcription::new(problem, Instructions::Baseline);
+            let mut rollout = Rollout::new(40);
+            for bad in [f64::NAN, f64::INFINITY, f64::MAX] {
+                for at in 0..40 {
+                    transcription.set(Initial::default(), 1.0);
+                    let mut moves = [0.1; 40];
+                    transcription.roll_out(&moves, &mut rollout);
+                    assert!(rollout.is_finite());
+                    moves[at] = bad;
+                    transcription.roll_out(&moves, &mut rollout);
+                    assert!(!rollout.is_finite(), "{bad} at {at}");
+                }
+            }
+            let start = |start: fn(&mut Initial)| {
+                let mut initial = Initial::default();
+                start(&mut initial);
+                initial
+            };
+            for initial in [
+                start(|initial| initial.angle = f64::NAN),
+                start(|initial| initial.velocity = f64::INFINITY),
+                start(|initial| initial.thermal_load = f64::INFINITY),
+            ] {
+                transcription.set(initial, 1.0);
+                transcription.roll_out(&[0.1; 40], &mut rollout);
+                assert!(!rollout.is_finite(), "{initial:?}");
+            }
         }
     }
 }

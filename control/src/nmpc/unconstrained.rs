@@ -21,6 +21,17 @@ const MAX_STEPS: u32 = 12;
 /// interior point leaves. The moves then miss the optimum's by √2e-8 in the norm of the cost.
 const SETTLED: f64 = 1e-8;
 
+/// What an interval does.
+#[derive(Clone, Copy, Debug)]
+struct Advance {
+    /// h \[s\].
+    length: f64,
+    /// ∂e⁺/∂x.
+    integral: [f64; STATES],
+    /// ∂e⁺/∂u.
+    integral_by_move: f64,
+}
+
 /// Minimiser of the cost subject to dynamics and terminal rest alone.
 #[derive(Clone, Debug)]
 pub struct Unconstrained {
@@ -28,8 +39,8 @@ pub struct Unconstrained {
     policies: Vec<Policy<STATES>>,
     /// P at the start.
     price: [[f64; STATES]; STATES],
-    /// ∂e⁺/∂x and ∂e⁺/∂u of the intervals \[N\].
-    integral: Vec<([f64; STATES], f64)>,
+    /// What the intervals do \[N\].
+    advances: Vec<Advance>,
     sensitivity: Sensitivity,
     /// Change of the moves in a Newton step \[N\].
     step: Vec<f64>,
@@ -56,8 +67,8 @@ impl Unconstrained {
             gain: [0.0; STATES],
             inverse: 0.0,
         };
-        let (mut policies, mut integral) =
-            (vec![idle; horizon], vec![([0.0; STATES], 0.0); horizon]);
+        let mut policies = vec![idle; horizon];
+        let mut advances = Vec::with_capacity(horizon);
         for k in (0..horizon).rev() {
             let form = Form::new(problem, transcription.interval(k));
             let at_rest = (k + 2).checked_sub(horizon);
@@ -73,12 +84,17 @@ impl Unconstrained {
                 )
             });
             policies[k] = form.policy::<Separate>(&mut price, imposed)?;
-            integral[k] = (form.a[2], form.b[2]);
+            advances.push(Advance {
+                length: transcription.interval(k).length,
+                integral: form.a[2],
+                integral_by_move: form.b[2],
+            });
         }
+        advances.reverse();
         Some(Self {
             policies,
             price,
-            integral,
+            advances,
             sensitivity: Sensitivity::new(horizon),
             step: vec![0.0; horizon],
         })
@@ -129,13 +145,13 @@ impl Unconstrained {
             }
             let sensitivity = &mut self.sensitivity;
             transcription.differentiate_with::<A>(weight_thermal, moves, rollout, sensitivity);
-            if self.descend::<A>(transcription) <= SETTLED * rollout.cost {
+            if self.descend::<A>() <= SETTLED * rollout.cost {
                 return true;
             }
             if steps == MAX_STEPS {
                 return false;
             }
-            self.complete_step::<A>(transcription);
+            self.complete_step::<A>();
             self.add_step(1.0, moves);
             steps += 1;
         }
@@ -159,13 +175,13 @@ impl Unconstrained {
         x[0] = initial.reference_angle - transcription.goal();
         x[1] = initial.reference_velocity;
         x[2] = initial.integral;
-        let rows = moves.iter_mut().zip(&self.policies).zip(&self.integral);
+        let rows = moves.iter_mut().zip(&self.policies).zip(&self.advances);
         let rows = rows.zip(transcription.node_deviation());
-        for (k, (((u, policy), (integral, integral_by_move)), deviation)) in rows.enumerate() {
-            let h = transcription.interval(k).length;
+        for (((u, policy), advance), deviation) in rows {
+            let h = advance.length;
             x[3..].copy_from_slice(deviation);
             *u = -dot(&policy.gain, &x);
-            x[2] = A::mul_add(*integral_by_move, *u, dot(integral, &x));
+            x[2] = A::mul_add(advance.integral_by_move, *u, dot(&advance.integral, &x));
             x[0] += A::mul_add(0.5 * h * h, *u, h * x[1]);
             x[1] = A::mul_add(h, *u, x[1]);
         }
@@ -174,15 +190,15 @@ impl Unconstrained {
     /// From the gradient of the cost, that of the cost to go in (θr, ωr, e), and the moves that answer it; the
     /// decrease of the cost to expect of the Newton step with the curvature without q_T.
     #[inline(always)]
-    fn descend<A: Arithmetic>(&mut self, transcription: &Transcription) -> f64 {
+    fn descend<A: Arithmetic>(&mut self) -> f64 {
         let (mut decrease, mut p) = (0.0, [0.0; 3]);
-        let rows = self.step.iter_mut().zip(&self.policies).zip(&self.integral);
-        let rows = rows.zip(&self.sensitivity.gradient).enumerate();
-        for (k, (((step, policy), (integral, integral_by_move)), gradient)) in rows.rev() {
-            let h = transcription.interval(k).length;
+        let rows = self.step.iter_mut().zip(&self.policies).zip(&self.advances);
+        let rows = rows.zip(&self.sensitivity.gradient);
+        for (((step, policy), advance), gradient) in rows.rev() {
+            let (h, integral) = (advance.length, &advance.integral);
             let [angle, velocity, by_move] = gradient;
             let Policy { gain, inverse } = policy;
-            let own = A::mul_add(*integral_by_move, p[2], *by_move);
+            let own = A::mul_add(advance.integral_by_move, p[2], *by_move);
             let through = A::mul_add(h, p[1], A::mul_add(0.5 * h * h, p[0], own));
             *step = -inverse * through;
             decrease = A::mul_add(0.5 * inverse * through, through, decrease);
@@ -203,11 +219,11 @@ impl Unconstrained {
 
     /// Completes the step by what the policies make of the states that it changes.
     #[inline(always)]
-    fn complete_step<A: Arithmetic>(&mut self, transcription: &Transcription) {
+    fn complete_step<A: Arithmetic>(&mut self) {
         let mut x = [0.0; 3];
-        let rows = self.step.iter_mut().zip(&self.policies).zip(&self.integral);
-        for (k, ((step, policy), (integral, integral_by_move))) in rows.enumerate() {
-            let h = transcription.interval(k).length;
+        let rows = self.step.iter_mut().zip(&self.policies).zip(&self.advances);
+        for ((step, policy), advance) in rows {
+            let (h, integral) = (advance.length, &advance.integral);
             for i in 0..3 {
                 *step = A::mul_add(-policy.gain[i], x[i], *step);
             }
@@ -216,7 +232,7 @@ impl Unconstrained {
             x = [
                 A::mul_add(0.5 * h * h, u, A::mul_add(h, x[1], x[0])),
                 A::mul_add(h, u, x[1]),
-                A::mul_add(*integral_by_move, u, grown),
+                A::mul_add(advance.integral_by_move, u, grown),
             ];
         }
     }
@@ -294,8 +310,8 @@ mod tests {
                 let mut sensitivity = Sensitivity::new(40);
                 transcription.differentiate(weight, &best, &better, &mut sensitivity);
                 unconstrained.sensitivity = sensitivity;
-                unconstrained.descend::<Separate>(&transcription);
-                unconstrained.complete_step::<Separate>(&transcription);
+                unconstrained.descend::<Separate>();
+                unconstrained.complete_step::<Separate>();
                 unconstrained.add_step(1.0, &mut best);
                 transcription.roll_out(&best, &mut better);
             }

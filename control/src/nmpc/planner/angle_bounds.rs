@@ -5,8 +5,8 @@ use super::super::rollout::Rollout;
 use super::super::solver::ANGLE_TOLERANCE;
 
 /// Bounds of θr at the nodes after the first (eq 25). A start outside may return as slowly as the optimum
-/// without inequalities does; once that is inside, the bounds hold.
-pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) {
+/// without inequalities does; once that is inside, the bounds hold. Whether they are wider than the problem's.
+pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollout) -> bool {
     let (lower, upper) = (problem.angle_lower, problem.angle_upper);
     let start = unbounded.reference_angle[0];
     // A solver's tolerance beyond a bound is no licence to leave it.
@@ -14,7 +14,7 @@ pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollo
     let mut above = start > upper + ANGLE_TOLERANCE;
     if !(below || above) {
         bounds.fill([lower, upper]);
-        return;
+        return false;
     }
     for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
         below &= angle < lower;
@@ -24,11 +24,22 @@ pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollo
             if above { angle } else { upper },
         ];
     }
+    are_wider(bounds, problem)
 }
 
-/// Widens the bounds so that `trajectory` keeps them.
-pub fn widen(bounds: &mut [[f64; 2]], trajectory: &Rollout) {
+fn are_wider(bounds: &[[f64; 2]], problem: &Problem) -> bool {
+    let [lowest, highest] = [
+        problem.angle_lower - ANGLE_TOLERANCE,
+        problem.angle_upper + ANGLE_TOLERANCE,
+    ];
+    let mut bounds = bounds.iter();
+    bounds.any(|&[lower, upper]| lower < lowest || upper > highest)
+}
+
+/// Widens the bounds so that `trajectory` keeps them; whether they are wider than the problem's.
+pub fn widen(bounds: &mut [[f64; 2]], problem: &Problem, trajectory: &Rollout) -> bool {
     for ([lower, upper], &angle) in bounds.iter_mut().zip(&trajectory.reference_angle[1..]) {
         (*lower, *upper) = (lower.min(angle), upper.max(angle));
     }
+    are_wider(bounds, problem)
 }
