@@ -16,9 +16,10 @@ const GREY: RGBColor = RGBColor(0x94, 0xa7, 0xb8);
 const NOTE: RGBColor = RGBColor(0x55, 0x5f, 0x68);
 const FONT: (&str, i32) = ("sans-serif", 13);
 const SIZE: (u32, u32) = (900, 420);
-/// N and µs that are drawn.
+/// N that are drawn.
 const X: std::ops::Range<f64> = 8.0..400.0;
-const Y: std::ops::Range<f64> = 0.5..1e6;
+/// µs that are drawn at most; leaves room for the legend.
+const SLOWEST: f64 = 1e6;
 
 /// The figure, as SVG.
 pub fn draw(curves: &[Curve]) -> Result<String, Failure> {
@@ -49,7 +50,10 @@ fn panel(
     area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
 ) -> Result<(), Failure> {
     let marks = super::HORIZONS.map(f64::from).to_vec();
-    let decades = (0..7).map(|power| 10_f64.powi(power)).collect();
+    let plans = curves.iter().flat_map(|curve| curve.plans());
+    let fastest = plans.fold(SLOWEST, |least, (_, us)| least.min(us));
+    let lowest = fastest.log10().floor() as i32;
+    let decades = (lowest..7).map(|power| 10_f64.powi(power)).collect();
     let mut chart = ChartBuilder::on(area)
         .caption(arm, ("sans-serif", 15))
         .margin(8)
@@ -57,14 +61,16 @@ fn panel(
         .y_label_area_size(62)
         .build_cartesian_2d(
             X.log_scale().with_key_points(marks),
-            Y.log_scale().with_key_points(decades),
+            (10_f64.powi(lowest)..SLOWEST)
+                .log_scale()
+                .with_key_points(decades),
         )?;
     chart
         .configure_mesh()
         .x_desc("N, intervals in 2 s")
         .y_desc("a plan [µs]")
         .x_label_formatter(&|n| format!("{n:.0}"))
-        .y_label_formatter(&|us| format!("{us:.0}"))
+        .y_label_formatter(&|us| us.to_string())
         .light_line_style(TRANSPARENT)
         .bold_line_style(GREY.mix(0.35))
         .axis_style(GREY)
