@@ -58,6 +58,8 @@ struct Record {
     status: PlanStatus,
     iterations: u32,
     converged: bool,
+    /// Whether it left the angle bounds although it began within.
+    widened: bool,
     best: Duration,
 }
 
@@ -69,7 +71,7 @@ impl Record {
             self.status,
             Solved | GoalProjected | ThermalSlack | AngleSlack
         );
-        of_status && self.converged
+        of_status && self.converged && !self.widened
     }
 }
 
@@ -138,7 +140,8 @@ impl Group {
             best = best.min(duration);
             self.calls.push(duration);
         }
-        let plan = planner.latest();
+        let (plan, problem) = (planner.latest(), planner.problem());
+        let inside = (problem.angle_lower..=problem.angle_upper).contains(&initial.reference_angle);
         self.records.push(Record {
             before,
             initial,
@@ -150,6 +153,7 @@ impl Group {
             converged: plan.iterations == 0
                 || plan.convex_problems > 0
                 || planner.state().multipliers.known,
+            widened: inside && planner.widened_bounds(),
             best,
         });
     }

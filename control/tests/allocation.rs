@@ -80,11 +80,14 @@ fn following_the_profile_allocates_nothing() {
 fn plans_allocate_nothing() {
     let mut hot = Settings::pendulum();
     hot.initial_thermal_load = 0.95 * 0.85 * 0.85 * hot.motor.thermal_limit();
+    let mut too_hot = Settings::tflex();
+    too_hot.initial_thermal_load = 1.2 * 0.85 * 0.85 * too_hot.motor.thermal_limit();
     for solver in [Method::Automatic, Method::Riccati] {
         for (settings, in_closed_form, iterated) in [
             (Settings::tflex(), 80, 0),
             (Settings::pendulum(), 20, 0),
             (hot, 20, 5),
+            (too_hot, 0, 80),
         ] {
             let nmpc = nmpc::settings::Settings {
                 solver,

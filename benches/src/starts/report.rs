@@ -214,10 +214,10 @@ fn described(group: &Group, record: &Record, solver: &str) -> String {
         });
         format!("\n  {request}")
     };
-    let converged = if record.converged {
-        ""
-    } else {
-        ", not converged"
+    let converged = match (record.converged, record.widened) {
+        (false, _) => ", not converged",
+        (true, true) => ", beyond the angle bounds",
+        (true, false) => "",
     };
     let mut lines = format!(
         "{}, {}, {}: {:?}{converged}, {} iterations, {}",
@@ -247,6 +247,7 @@ mod tests {
             status: PlanStatus::ThermalSlack,
             iterations,
             converged: iterations < 60,
+            widened: false,
             best: Duration::from_micros(10 * u64::from(iterations)),
         };
         Group {

@@ -171,6 +171,12 @@ impl Planner {
         &self.plan
     }
 
+    /// Whether the latest plan was allowed beyond the angle bounds: from a start outside, or because there was no
+    /// other way.
+    pub fn widened_bounds(&self) -> bool {
+        self.widened
+    }
+
     /// What must be remembered to go on from here.
     pub fn state(&self) -> &PlannerState {
         &self.state
@@ -274,9 +280,10 @@ impl Planner {
             _ if task.admits(trajectory) && widened => Some(PlanStatus::AngleSlack),
             _ if task.admits(trajectory) => stopped,
             // Excess is near its least long before the sequence settles; it is taken unless going on as
-            // before, or braking, exceeds the limit by less.
+            // before, or braking, exceeds the limit by less and keeps the bounds too.
             _ if task.keeps_bounds(trajectory)
-                && task.penalty(trajectory) <= NEARLY_LEAST * task.penalty(&self.shifted) =>
+                && (task.penalty(trajectory) <= NEARLY_LEAST * task.penalty(&self.shifted)
+                    || !task.keeps_bounds(&self.shifted)) =>
             {
                 stopped
             }

@@ -47,10 +47,11 @@ impl RestPoints {
         let angle = |i: usize| lower + (upper - lower) * i as f64 / cells as f64;
 
         let mut intervals: Vec<[f64; 2]> = Vec::new();
-        let mut begin = (torque(lower) <= most).then_some(lower);
+        let torques: Vec<f64> = (0..=cells).map(|i| torque(angle(i))).collect();
+        let mut begin = (torques[0] <= most).then_some(lower);
         for i in 1..=cells {
             let [left, right] = [angle(i - 1), angle(i)];
-            match (begin, torque(right) <= most) {
+            match (begin, torques[i] <= most) {
                 (None, true) => begin = Some(crossing(right, left, |x| torque(x) <= most)),
                 (Some(start), false) => {
                     intervals.push([start, crossing(left, right, |x| torque(x) <= most)]);
@@ -61,12 +62,12 @@ impl RestPoints {
         }
         intervals.extend(begin.map(|start| [start, upper]));
         let least = |&i: &usize| {
-            let here = torque(angle(i));
-            (i == 0 || here < torque(angle(i - 1))) && (i == cells || here <= torque(angle(i + 1)))
+            (i == 0 || torques[i] < torques[i - 1]) && (i == cells || torques[i] <= torques[i + 1])
         };
-        let mut calm: Vec<f64> = (0..=cells).filter(least).map(angle).collect();
-        calm.sort_by(|&a, &b| torque(a).total_cmp(&torque(b)));
+        let mut calm: Vec<usize> = (0..=cells).filter(least).collect();
+        calm.sort_by(|&a, &b| torques[a].total_cmp(&torques[b]));
         calm.truncate(CALM);
+        let calm: Vec<f64> = calm.into_iter().map(angle).collect();
         if intervals.is_empty() {
             let calmest = calm.first().copied().unwrap_or(lower);
             intervals.push([calmest, calmest]);

@@ -171,7 +171,8 @@ impl Inequalities {
                     for (guess, known) in guess.iter_mut().zip(known.iter().skip(first)) {
                         *guess = scale * known;
                     }
-                    let guess = vector(&guess).smaller(highest);
+                    // What a state from elsewhere has below zero is worth nothing.
+                    let guess = vector(&guess).smaller(highest).larger(zero);
                     // A row that matters gets the slack of its multiplier, any other what room there is.
                     let slack = room.larger(mu.over(guess).smaller(least));
                     let most = guess.larger(splat(FLATTEST_START)).smaller(highest);

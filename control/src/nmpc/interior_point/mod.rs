@@ -62,10 +62,6 @@ const RESIDUAL: f64 = 1e-8;
 const PENALTY: f64 = 3e-5;
 /// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
 const STALLED: f64 = 0.02;
-/// The same in a plan that has taken [`MANY`] iterations: it may go round in circles.
-const STALLED_LATE: f64 = 0.3;
-/// Iterations that most plans do without.
-const MANY: u32 = 18;
 /// Iterations at least between two such restarts.
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
@@ -125,8 +121,10 @@ impl<const S: usize> InteriorPoint<S> {
 
     /// Σ η·|r| over all inequalities.
     #[inline(always)]
-    fn penalty<A: Arithmetic>(&self) -> f64 {
-        self.thermal.penalty::<A>() + self.lower.penalty::<A>() + self.upper.penalty::<A>()
+    fn residual_penalty<A: Arithmetic>(&self) -> f64 {
+        self.thermal.residual_penalty::<A>()
+            + self.lower.residual_penalty::<A>()
+            + self.upper.residual_penalty::<A>()
     }
 
     /// Shortens the step until the merit falls, or [`MAX_TRIALS`] times, and takes it; false if it leads
@@ -141,10 +139,10 @@ impl<const S: usize> InteriorPoint<S> {
     ) -> bool {
         let scale = 1.0 / task.cost_scale;
         let merit = |cost: f64, measured: &Measure, penalty: f64| {
-            cost * scale + measured.barrier(step.mu) + penalty
+            cost * scale + measured.price_and_barrier(step.mu) + penalty
         };
         // η follows from the step.
-        let before = merit(rollout.cost, &self.measured, self.penalty::<A>());
+        let before = merit(rollout.cost, &self.measured, self.residual_penalty::<A>());
         let tolerance = 1e-12 * before.abs();
         let (mut primal, mut taken) = (step.primal, 0.0);
         let mut after = f64::NAN;
@@ -161,7 +159,7 @@ impl<const S: usize> InteriorPoint<S> {
             self.lower.advance::<A>(primal - taken);
             self.upper.advance::<A>(primal - taken);
             taken = primal;
-            let (cost, penalty) = (self.trial_rollout.cost, self.penalty::<A>());
+            let (cost, penalty) = (self.trial_rollout.cost, self.residual_penalty::<A>());
             after = merit(cost, &self.measure::<A>(), penalty);
             if after <= before + tolerance {
                 break;
@@ -181,19 +179,26 @@ impl<const S: usize> InteriorPoint<S> {
     }
 
     #[inline(always)]
-    fn converged(&self, task: &Task<'_>, rollout: &Rollout) -> bool {
+    fn converged<A: Arithmetic>(&self, task: &Task<'_>, rollout: &Rollout) -> bool {
         let unit = f64::max(1.0, rollout.cost / task.cost_scale);
-        let missed = PENALTY * rollout.total_excess;
-        let penalty = task.excess_weight * missed;
-        let residual = RESIDUAL + 1e-2 * missed;
+        let penalty = PENALTY * task.excess_weight * rollout.total_excess;
         let promised = if self.convex {
             SADDLE * self.newton.decrease
         } else {
             self.newton.decrease
         };
-        self.measured.gap <= GAP * unit + penalty
-            && promised <= DECREASE * unit + penalty
-            && self.measured.residual <= residual
+        if promised > DECREASE * unit + penalty || !task.keeps_angle_bounds(rollout) {
+            return false;
+        }
+        let most = GAP * unit + penalty;
+        if self.measured.gap <= most && self.measured.residual <= RESIDUAL {
+            return true;
+        }
+        // What the excess leaves to gain is known without s and t.
+        let angle = self.lower.measure::<A>().and(self.upper.measure::<A>());
+        penalty > 0.0
+            && angle.residual <= RESIDUAL
+            && angle.gap + self.thermal.true_gap::<A>() <= most
     }
 
     #[inline(always)]
@@ -222,12 +227,7 @@ impl<const S: usize> InteriorPoint<S> {
                 break;
             };
             iterations += 1;
-            let least = if iterations < MANY {
-                STALLED
-            } else {
-                STALLED_LATE
-            };
-            let stalled = step.primal.min(step.dual) < least && iterations >= earliest;
+            let stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
             if stalled && self.thermal.exceeded(RESIDUAL) {
                 self.restart::<A>(task.transcription.problem(), central);
                 (earliest, central) = (iterations + AGAIN, FADING * central);
@@ -236,7 +236,7 @@ impl<const S: usize> InteriorPoint<S> {
             if !self.search::<A>(task, step, moves, rollout) {
                 break;
             }
-            if self.converged(task, rollout) {
+            if self.converged::<A>(task, rollout) {
                 status = SolverStatus::Solved;
                 break;
             }

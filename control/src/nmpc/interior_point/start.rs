@@ -10,6 +10,8 @@ use super::{InteriorPoint, RESIDUAL, evaluate};
 
 /// Least slack at the start, in units of the bound's size.
 const LEAST_SLACK: f64 = 1e-2;
+/// The same where iterations go on with large products: at a bound that the angle is at little room stays little.
+const LEAST_SLACK_AGAIN: f64 = 1e-3;
 /// Product of a start from scratch.
 const COLD: f64 = 1e-2;
 /// Product of a start from the previous plan.
@@ -49,7 +51,10 @@ impl<const S: usize> InteriorPoint<S> {
         let mu = if multipliers.known { WARM } else { COLD };
         let scale = 1.0 / task.cost_scale;
         let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];
-        let families = self.families().into_iter().zip(leasts(problem));
+        let families = self
+            .families()
+            .into_iter()
+            .zip(leasts(problem, LEAST_SLACK));
         for ((family, least), guesses) in families.zip(guesses) {
             let guesses = multipliers.known.then_some((&guesses[..], scale));
             family.start::<A>(mu, least, guesses);
@@ -60,16 +65,21 @@ impl<const S: usize> InteriorPoint<S> {
     /// Goes on from the latest iterate with products `mu`.
     #[inline(always)]
     pub(super) fn restart<A: Arithmetic>(&mut self, problem: &Problem, mu: f64) {
-        for (family, least) in self.families().into_iter().zip(leasts(problem)) {
+        self.warm = false;
+        for (family, least) in self
+            .families()
+            .into_iter()
+            .zip(leasts(problem, LEAST_SLACK_AGAIN))
+        {
             family.restart(mu, least);
         }
         self.measured = self.measure::<A>();
     }
 }
 
-/// Least slacks of the three families where nothing else tells.
-fn leasts(problem: &Problem) -> [f64; 3] {
-    let least = |size: f64| f64::max(LEAST_SLACK * size, RESIDUAL);
+/// Least slacks of the three families where nothing else tells, `share` of the bounds' sizes.
+fn leasts(problem: &Problem, share: f64) -> [f64; 3] {
+    let least = |size: f64| f64::max(share * size, RESIDUAL);
     let range = least(problem.angle_upper - problem.angle_lower);
     [least(problem.thermal_limit.unwrap_or(0.0)), range, range]
 }

@@ -12,8 +12,8 @@ use super::{GAP, InteriorPoint};
 const UNFINISHED: f64 = 0.3;
 /// Sum that a step aims at, at least, in units of [`GAP`].
 const LEAST: f64 = 0.1;
-/// Sum of the products from which a plan that goes on from the previous one takes the last step without predictor.
-const NEARLY: f64 = 1e-3;
+/// Sum of the products from which a plan that goes on from the previous one does without predictor.
+const NEARLY: f64 = 1e-4;
 
 /// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.
 #[derive(Clone, Copy)]

@@ -12,13 +12,13 @@ impl Planner {
             self.state.multipliers.known = false;
             return false;
         }
-        let is_better = self.take_guess();
+        let is_better = self.take_guess(false);
         self.state.multipliers.known &= is_better;
         is_better
     }
 
     /// From above the thermal limit, replaces the plan by one that waits where that takes little torque, if that
-    /// is better; whether one is.
+    /// is better; whether one is. A plan with multipliers gives way to one within the bounds only.
     pub(super) fn guess_waiting(&mut self) -> bool {
         let transcription = &self.transcription;
         let limit = transcription.problem().thermal_limit;
@@ -30,7 +30,9 @@ impl Planner {
         for index in 0..self.rest.calm().len() {
             let place = self.rest.calm()[index];
             let nodes = self.grid.nodes();
-            if wait(&self.transcription, place, nodes, &mut self.guess) && self.take_guess() {
+            if wait(&self.transcription, place, nodes, &mut self.guess)
+                && self.take_guess(self.state.multipliers.known)
+            {
                 self.state.multipliers.known = false;
                 guessed = true;
             }
@@ -46,8 +48,9 @@ impl Planner {
         self.transcription.roll_out(moves, trajectory);
     }
 
-    /// Replaces the plan by the guess, led to the goal, if that is better; whether it is.
-    fn take_guess(&mut self) -> bool {
+    /// Replaces the plan by the guess, led to the goal, if that is better and, where that `must`, keeps the angle
+    /// bounds; whether it is.
+    fn take_guess(&mut self, must: bool) -> bool {
         let transcription = &self.transcription;
         if self.safe_set.is_none() {
             transcription.end_at_rest(&mut self.guess);
@@ -55,7 +58,8 @@ impl Planner {
         transcription.roll_out(&self.guess, &mut self.guess_trajectory);
         let task = self.task();
         // NaN is not better.
-        let is_better = task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory);
+        let is_better = task.merit(&self.guess_trajectory) < task.merit(&self.plan.trajectory)
+            && (!must || task.keeps_angle_bounds(&self.guess_trajectory));
         if is_better {
             self.plan.moves.copy_from_slice(&self.guess);
             std::mem::swap(&mut self.plan.trajectory, &mut self.guess_trajectory);

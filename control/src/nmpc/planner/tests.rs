@@ -168,7 +168,7 @@ fn a_state_that_is_not_made_of_numbers_does_no_harm() {
     assert!(plan.moves.iter().all(|u| u.is_finite()));
 }
 
-/// The optimum of least heat is to wait; from a guess that goes to the goal at once it took 40 to 60
+/// The optimum of least heat is to wait; from a guess that goes to the goal at once these took 9 to 39
 /// iterations.
 #[test]
 fn far_above_its_limit_the_arm_waits_where_it_takes_little_torque() {
@@ -192,7 +192,7 @@ fn far_above_its_limit_the_arm_waits_where_it_takes_little_torque() {
         };
         let plan = planner.plan(&hot, 1.24);
         assert_eq!(plan.status, PlanStatus::ThermalSlack);
-        assert!(plan.iterations <= 12, "{} iterations", plan.iterations);
+        assert!(plan.iterations <= 3, "{} iterations", plan.iterations);
         let angles = &plan.trajectory.reference_angle[12..28];
         let waits = angles.iter().all(|angle| (angle - 0.97).abs() < 0.03);
         assert!(waits, "from {start}: {angles:?}");

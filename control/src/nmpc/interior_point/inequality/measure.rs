@@ -40,7 +40,7 @@ impl Measure {
     }
 
     /// Price of excess and barrier, −μ·Σ(ln s + ln t).
-    pub fn barrier(&self, mu: f64) -> f64 {
+    pub fn price_and_barrier(&self, mu: f64) -> f64 {
         self.excess - mu * self.product.ln()
     }
 }
@@ -117,10 +117,26 @@ impl Inequalities {
         }
     }
 
+    /// Σ of the products that belong to c itself, s = max(0, −c) and t = max(0, c): what the excess and the price of
+    /// it leave to gain where the multipliers are those of a stationary point, whatever the residuals.
+    #[inline(always)]
+    pub fn true_gap<A: Arithmetic>(&self) -> f64 {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let (zero, price) = (splat(0.0), splat(self.price));
+        let mut gap = zero;
+        for rows in &self.groups {
+            let (c, lambda) = (vector(&rows.value), vector(&rows.multiplier));
+            let room = lambda * (zero - c).larger(zero);
+            let products = (price - lambda).mul_add(c.larger(zero), room);
+            gap = products.mul_add(vector(&rows.open), gap);
+        }
+        gap.sum()
+    }
+
     /// Σ η·|r|, η of each row a little above its multiplier before and after the latest step: what a row's residual
     /// is worth, so that little is asked of those that matter little.
     #[inline(always)]
-    pub fn penalty<A: Arithmetic>(&self) -> f64 {
+    pub fn residual_penalty<A: Arithmetic>(&self) -> f64 {
         let (vector, splat) = (A::Vector::new, A::Vector::splat);
         let flattest = splat(FLATTEST * self.steepest::<A>());
         let mut residuals = splat(0.0);

@@ -63,7 +63,7 @@ impl Rows {
         multiplier_step: [0.0; LANES],
     };
 
-    /// Takes row `l` out: its multiplier stays as it is.
+    /// Takes row `l` out, with `multiplier` for good.
     pub fn close(&mut self, l: usize, multiplier: f64) {
         self.open[l] = 0.0;
         self.slack[l] = 1.0;
