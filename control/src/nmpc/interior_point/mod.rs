@@ -15,7 +15,8 @@
 //!    `cost/cost_scale + Σ ρ·t − μ·Σ(ln s + ln t) + Σ η·|r|` falls, η of each row above its multiplier;
 //! 4. lets the slacks take in what the true T is below its linearisation.
 //!
-//! It ends when products, residuals and the decrease that the step promised are within tolerance.
+//! It ends when products, residuals and the decrease that the step promised are within tolerance; where there is
+//! excess, with the products that belong to the true c instead of the first two.
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
 //! all. What a plan with excess makes of a step that is `STALLED` is worse than the step before: it goes on with
@@ -62,6 +63,10 @@ const RESIDUAL: f64 = 1e-8;
 const PENALTY: f64 = 3e-5;
 /// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
 const STALLED: f64 = 0.02;
+/// The same in a plan that has taken [`MANY`] iterations: it may go round in circles.
+const STALLED_LATE: f64 = 0.3;
+/// Iterations that most plans do without.
+const MANY: u32 = 22;
 /// Iterations at least between two such restarts.
 const AGAIN: u32 = 10;
 /// Products that reach any optimum with excess, if slowly.
@@ -227,7 +232,12 @@ impl<const S: usize> InteriorPoint<S> {
                 break;
             };
             iterations += 1;
-            let stalled = step.primal.min(step.dual) < STALLED && iterations >= earliest;
+            let least = if iterations < MANY {
+                STALLED
+            } else {
+                STALLED_LATE
+            };
+            let stalled = step.primal.min(step.dual) < least && iterations >= earliest;
             if stalled && self.thermal.exceeded(RESIDUAL) {
                 self.restart::<A>(task.transcription.problem(), central);
                 (earliest, central) = (iterations + AGAIN, FADING * central);
