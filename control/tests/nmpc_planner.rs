@@ -128,6 +128,93 @@ fn plans_that_go_on_above_the_limit_need_no_other_solver() {
     }
 }
 
+/// Pendulum starts that were once left unsolved \[θ, ω, θr, ωr, T, goal\]: moving towards a bound a millimetre ahead with
+/// too little heat left to stop, and one whose steps went round in circles.
+const HARD: [[f64; 6]; 6] = [
+    [
+        0.021528840365676222,
+        -0.9075882880996754,
+        0.022369467199678948,
+        -0.9083489283570712,
+        10.773814551535084,
+        1.4107637933147967,
+    ],
+    [
+        1.52575134752665,
+        1.097432424539665,
+        1.5256391377161738,
+        1.1112322272605053,
+        11.02251016975963,
+        0.3254841281314808,
+    ],
+    [
+        0.021668937915909625,
+        -0.7386086965427338,
+        0.020687225041503388,
+        -0.7355097992280175,
+        11.11164806234312,
+        1.3290434594578073,
+    ],
+    [
+        0.019159226630848267,
+        -0.6089480136016256,
+        0.020313837527062045,
+        -0.6167102029052957,
+        11.420591365897893,
+        1.536401309134215,
+    ],
+    [
+        1.5373046886234694,
+        1.0160584482354742,
+        1.5372214547547154,
+        1.0086079819128577,
+        11.116890852416683,
+        0.2746391334556976,
+    ],
+    [
+        0.5152748169764726,
+        -0.45719887418566646,
+        0.5136253902270882,
+        -0.46432458635653284,
+        11.061879613315009,
+        0.9975918608967812,
+    ],
+];
+
+#[test]
+fn hard_starts_are_solved() {
+    let mut planner = pendulum().planner();
+    for [
+        angle,
+        velocity,
+        reference_angle,
+        reference_velocity,
+        thermal_load,
+        goal,
+    ] in HARD
+    {
+        let initial = Initial {
+            angle,
+            velocity,
+            reference_angle,
+            reference_velocity,
+            thermal_load,
+            ..Initial::default()
+        };
+        planner.set_state(&Default::default());
+        let plan = planner.plan(&initial, goal);
+        assert_finite(plan);
+        let solved = [PlanStatus::Solved, PlanStatus::ThermalSlack];
+        assert!(
+            solved.contains(&plan.status),
+            "{:?}: {initial:?}",
+            plan.status
+        );
+        assert_eq!(plan.convex_problems, 0);
+        assert!(!planner.widened_bounds());
+    }
+}
+
 /// Two solvers of different kinds, one answer.
 #[test]
 fn the_interior_point_and_clarabel_agree() {

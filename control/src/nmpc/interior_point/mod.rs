@@ -40,6 +40,7 @@ use arm::{Arithmetic, Kernel};
 
 use self::inequality::{Inequalities, Measure};
 use self::newton::Newton;
+use self::start::COLD;
 use self::step::Step;
 use super::rollout::Rollout;
 use super::solver::{Multipliers, Outcome, Pace, Solver, SolverStatus, Task};
@@ -238,9 +239,15 @@ impl<const S: usize> InteriorPoint<S> {
                 STALLED_LATE
             };
             let stalled = step.primal.min(step.dual) < least && iterations >= earliest;
-            if stalled && self.thermal.exceeded(RESIDUAL) {
-                self.restart::<A>(task.transcription.problem(), central);
-                (earliest, central) = (iterations + AGAIN, FADING * central);
+            let exceeded = self.thermal.exceeded(RESIDUAL);
+            if stalled && (exceeded || self.warm) {
+                // Without excess it was the previous plan that led astray: on as from scratch.
+                let products = if exceeded { central } else { COLD };
+                self.restart::<A>(task.transcription.problem(), products);
+                earliest = iterations + AGAIN;
+                if exceeded {
+                    central *= FADING;
+                }
                 continue;
             }
             if !self.search::<A>(task, step, moves, rollout) {

@@ -13,7 +13,7 @@ const LEAST_SLACK: f64 = 1e-2;
 /// The same where iterations go on with large products: at a bound that the angle is at little room stays little.
 const LEAST_SLACK_AGAIN: f64 = 1e-3;
 /// Product of a start from scratch.
-const COLD: f64 = 1e-2;
+pub(super) const COLD: f64 = 1e-2;
 /// Product of a start from the previous plan.
 const WARM: f64 = 3e-4;
 
@@ -48,6 +48,7 @@ impl<const S: usize> InteriorPoint<S> {
         evaluate::<A>(self.families(), rollout);
         self.thermal.price = task.excess_weight;
         self.thermal.lost = self.lost(transcription);
+        self.newton.decrease = f64::INFINITY;
         let mu = if multipliers.known { WARM } else { COLD };
         let scale = 1.0 / task.cost_scale;
         let guesses = [&multipliers.thermal, &multipliers.lower, &multipliers.upper];

@@ -12,7 +12,8 @@ use super::{GAP, InteriorPoint};
 const UNFINISHED: f64 = 0.3;
 /// Sum that a step aims at, at least, in units of [`GAP`].
 const LEAST: f64 = 0.1;
-/// Sum of the products from which a plan that goes on from the previous one does without predictor.
+/// Sum of the products, and decrease that the step before promised, below which a plan that goes on from the previous one
+/// does without predictor.
 const NEARLY: f64 = 1e-4;
 
 /// A step towards products of `mu`, with the largest lengths that keep s, t > 0 and 0 < λ < ρ.
@@ -49,6 +50,8 @@ impl<const S: usize> InteriorPoint<S> {
         moves: &[f64],
         rollout: &Rollout,
     ) -> Option<Step> {
+        // That of the step before.
+        let promised = self.newton.decrease;
         let gap = self.measured.gap;
         self.thermal.predict::<A>();
         self.lower.predict::<A>();
@@ -59,7 +62,8 @@ impl<const S: usize> InteriorPoint<S> {
         if self.convex && !newton.factorise::<A>(task, moves, rollout, families, true) {
             return None;
         }
-        let aim = if self.warm && gap <= NEARLY {
+        let nearly = gap <= NEARLY && promised <= NEARLY;
+        let aim = if self.warm && nearly {
             self.aim(LEAST * GAP, 0.0)
         } else {
             self.predict::<A>(gap)
