@@ -21,7 +21,8 @@ pub enum PlanStatus {
     /// Solved, but the thermal limit, or the torque limit of the linear model, could not be kept: the least
     /// excess was planned.
     ThermalSlack = 3,
-    /// The solver was stopped before it converged: the plan is admissible, or of nearly the least excess.
+    /// The solver was stopped before it converged: the plan is admissible, or exceeds the
+    /// thermal limit little more than going on as before would, or going on would leave the angle bounds.
     IterationLimit = 4,
     /// No new plan was found: the previous plan, shifted.
     ShiftedPlan = 5,
@@ -31,7 +32,8 @@ pub enum PlanStatus {
     MeasurementHeld = 7,
     /// Start and terminal rest left no way within the angle bounds: they were widened.
     AngleSlack = 8,
-    /// The deadline came before the solver converged: the plan is admissible, or of nearly the least excess.
+    /// The deadline came before the solver converged: the plan is admissible, or exceeds the
+    /// thermal limit little more than going on as before would, or going on would leave the angle bounds.
     Deadline = 9,
 }
 

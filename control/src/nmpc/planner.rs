@@ -12,7 +12,8 @@
 //! ([`super::safe_set`]); step 4 then goes on with both. From a safe set that keeps all limits.
 //!
 //! With a clock ([`Planner::set_clock`]) the solvers stop before the deadline; the best of their iterates is
-//! then the plan if it keeps the limits, or exceeds the thermal one little more than step 4 would.
+//! then the plan if it keeps the limits, or exceeds the thermal one little more than step 4 would, or step 4 would
+//! leave the angle bounds.
 //!
 //! Outcomes are statuses, never errors. What is remembered from plan to plan is [`PlannerState`] alone.
 

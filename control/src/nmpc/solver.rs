@@ -287,8 +287,8 @@ pub struct Outcome {
 /// on earlier tasks: a solver rebuilt from the parameters answers bit by bit the same.
 pub trait Solver {
     /// Improves `moves` \[N\], given `rollout` of them by [`Transcription::roll_out`], and leaves the best moves
-    /// with their rollout. The guess may violate any limit, but where plans end at rest it must too. Multipliers may
-    /// be those of another plan; a solver that has none leaves them unknown.
+    /// with their rollout. The guess may violate any limit, but must itself end at rest where plans do. Multipliers
+    /// may be those of another plan; a solver that has none leaves them unknown.
     fn solve(
         &mut self,
         task: &Task<'_>,

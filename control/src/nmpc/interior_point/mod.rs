@@ -20,7 +20,7 @@
 //!
 //! Small products reach an optimum with excess, where multipliers climb to the price, only slowly or not at
 //! all. What a plan with excess makes of a step that is `STALLED` is worse than the step before: it goes on with
-//! large products instead.
+//! large products instead. So does, as from scratch, a plan that goes on from the previous one and stalls without excess.
 //!
 //! # Excess that cannot be avoided
 //! Where T exceeds its limit even without any heat, T₀·Π a_k > T_limit, the excess is T_k − T_limit for
@@ -62,7 +62,8 @@ const SADDLE: f64 = 10.0;
 const RESIDUAL: f64 = 1e-8;
 /// Part of the penalty on excess that a plan may miss; its price exceeds all costs by so much.
 const PENALTY: f64 = 3e-5;
-/// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`].
+/// Length of a step that is not taken: a plan with excess goes on with products of [`CENTRAL`], one that the previous
+/// plan led astray with those of a first plan.
 const STALLED: f64 = 0.02;
 /// The same in a plan that has taken [`MANY`] iterations: it may go round in circles.
 const STALLED_LATE: f64 = 0.3;
@@ -193,7 +194,7 @@ impl<const S: usize> InteriorPoint<S> {
         } else {
             self.newton.decrease
         };
-        if promised > DECREASE * unit + penalty || !task.keeps_angle_bounds(rollout) {
+        if promised > DECREASE * unit + penalty {
             return false;
         }
         let most = GAP * unit + penalty;

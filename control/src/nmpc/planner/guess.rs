@@ -26,13 +26,12 @@ impl Planner {
         if self.safe_set.is_some() || limit.is_none_or(|limit| load <= limit) {
             return false;
         }
+        let must = self.state.multipliers.known;
         let mut guessed = false;
         for index in 0..self.rest.calm().len() {
             let place = self.rest.calm()[index];
             let nodes = self.grid.nodes();
-            if wait(&self.transcription, place, nodes, &mut self.guess)
-                && self.take_guess(self.state.multipliers.known)
-            {
+            if wait(&self.transcription, place, nodes, &mut self.guess) && self.take_guess(must) {
                 self.state.multipliers.known = false;
                 guessed = true;
             }
