@@ -1,7 +1,10 @@
 //! RK4 (eq 24) of the two parts of the model that are linear whatever the moves are: the deviation from the
 //! reference, and the thermal load for given heat.
 
+use arm::{Arithmetic, Vector};
+
 use super::problem::{Model, Problem};
+use super::rollout::Stages;
 
 /// RK4 stages per interval.
 pub const STAGES: usize = 4;
@@ -58,6 +61,38 @@ impl Interval {
                 std::array::from_fn(|column| std::array::from_fn(|j| deviation[j][row][column]))
             }),
         }
+    }
+
+    /// ∂/∂q_j of the cost of T with the weight q_T, `stage` being in a rollout, and of T after the interval at the price
+    /// `load_price`, which becomes that of T before it.
+    #[inline(always)]
+    pub fn heat_price<A: Arithmetic>(
+        &self,
+        stage: &Stages,
+        weight_thermal: f64,
+        load_price: &mut f64,
+    ) -> A::Vector {
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
+        let thermal = &self.thermal;
+        let price = splat(*load_price) * vector(thermal.weights());
+        *load_price *= thermal.decay();
+        if weight_thermal == 0.0 {
+            return price;
+        }
+        let quadrature = vector(&self.quadrature);
+        let direct =
+            (quadrature + quadrature) * splat(weight_thermal) * vector(&stage.thermal_load);
+        let [first, second, third] = &thermal.warming;
+        let sums = A::Vector::sums([
+            direct * vector(first),
+            direct * vector(second),
+            direct * vector(third),
+            direct * vector(thermal.stage_load()),
+        ]);
+        let [.., load] = sums.lanes();
+        *load_price += load;
+        // The last stage warms none.
+        sums.mul_add(vector(&[1.0, 1.0, 1.0, 0.0]), price)
     }
 }
 

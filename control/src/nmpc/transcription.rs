@@ -364,27 +364,11 @@ impl Transcription {
         let intervals = rollout.stages.iter().zip(moves).zip(prices).enumerate();
         for (k, ((stage, &u), (gradient, heat_price))) in intervals.rev() {
             let interval = self.interval(k);
-            let thermal = &interval.thermal;
             let (elapsed, curved) = (vector(&interval.elapsed), vector(&interval.curved));
             let quadrature = vector(&interval.quadrature);
             let share = quadrature + quadrature;
 
-            // Thermal load: price of T_j in the cost, then of q_i and of T at the start.
-            let mut price = splat(load_price) * vector(thermal.weights());
-            load_price *= thermal.decay();
-            if weight_thermal > 0.0 {
-                let direct = share * splat(weight_thermal) * vector(&stage.thermal_load);
-                let [first, second, third] = &thermal.warming;
-                let [first, second, third, load] = A::Vector::sums([
-                    direct * vector(first),
-                    direct * vector(second),
-                    direct * vector(third),
-                    direct * vector(thermal.stage_load()),
-                ])
-                .lanes();
-                price = price + vector(&[first, second, third, 0.0]);
-                load_price += load;
-            }
+            let price = interval.heat_price::<A>(stage, weight_thermal, &mut load_price);
             *heat_price = price.lanes();
 
             // Integral: e_j sees the distance of the stage before, e⁺ all of them.

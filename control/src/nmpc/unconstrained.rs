@@ -7,10 +7,10 @@
 //! curvature, which q_T·T² hardly bends, while one promises a decrease that counts: with the weights of the
 //! paper none does. O(N) a plan.
 
-use arm::{Arithmetic, Kernel, Separate};
+use arm::{Arithmetic, Kernel, Separate, Vector};
 
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
-use super::problem::Terminal;
+use super::problem::{Problem, Terminal};
 use super::rk4::STAGES;
 use super::rollout::{Rollout, Sensitivity};
 use super::transcription::Transcription;
@@ -30,6 +30,36 @@ struct Advance {
     integral: [f64; STATES],
     /// ∂e⁺/∂u.
     integral_by_move: f64,
+}
+
+impl Advance {
+    /// Slope of the cost to go in the move, the policy given, from the `gradient` of the interval's own cost in
+    /// (θr, ωr, u) and that of the cost to go after it in (θr, ωr, e), which becomes that before it.
+    #[inline(always)]
+    fn back<A: Arithmetic>(
+        &self,
+        policy: &Policy<STATES>,
+        gradient: &[f64; 3],
+        p: &mut [f64; 3],
+    ) -> f64 {
+        let (h, integral) = (self.length, &self.integral);
+        let [angle, velocity, by_move] = gradient;
+        let gain = &policy.gain;
+        let own = A::mul_add(self.integral_by_move, p[2], *by_move);
+        let through = A::mul_add(h, p[1], A::mul_add(0.5 * h * h, p[0], own));
+        let by_angle = A::mul_add(integral[0], p[2], angle + p[0]);
+        let by_velocity = A::mul_add(h, p[0], velocity + p[1]);
+        *p = [
+            A::mul_add(-gain[0], through, by_angle),
+            A::mul_add(
+                -gain[1],
+                through,
+                A::mul_add(integral[1], p[2], by_velocity),
+            ),
+            A::mul_add(-gain[2], through, p[2]),
+        ];
+        through
+    }
 }
 
 /// Minimiser of the cost subject to dynamics and terminal rest alone.
@@ -143,6 +173,12 @@ impl Unconstrained {
                 transcription.roll_out_with::<A, 2>(moves, rollout);
                 return false;
             }
+            // Where the policies lead the rest of the gradient is zero.
+            if steps == 0
+                && self.promised_by_heat::<A>(transcription, rollout) <= SETTLED * rollout.cost
+            {
+                return true;
+            }
             let sensitivity = &mut self.sensitivity;
             transcription.differentiate_with::<A>(weight_thermal, moves, rollout, sensitivity);
             if self.descend::<A>() <= SETTLED * rollout.cost {
@@ -175,13 +211,16 @@ impl Unconstrained {
         x[0] = initial.reference_angle - transcription.goal();
         x[1] = initial.reference_velocity;
         x[2] = initial.integral;
+        let integral = transcription.problem().weights.integral > 0.0;
         let rows = moves.iter_mut().zip(&self.policies).zip(&self.advances);
         let rows = rows.zip(transcription.node_deviation());
         for (((u, policy), advance), deviation) in rows {
             let h = advance.length;
             x[3..].copy_from_slice(deviation);
             *u = -dot(&policy.gain, &x);
-            x[2] = A::mul_add(advance.integral_by_move, *u, dot(&advance.integral, &x));
+            if integral {
+                x[2] = A::mul_add(advance.integral_by_move, *u, dot(&advance.integral, &x));
+            }
             x[0] += A::mul_add(0.5 * h * h, *u, h * x[1]);
             x[1] = A::mul_add(h, *u, x[1]);
         }
@@ -195,24 +234,53 @@ impl Unconstrained {
         let rows = self.step.iter_mut().zip(&self.policies).zip(&self.advances);
         let rows = rows.zip(&self.sensitivity.gradient);
         for (((step, policy), advance), gradient) in rows.rev() {
-            let (h, integral) = (advance.length, &advance.integral);
-            let [angle, velocity, by_move] = gradient;
-            let Policy { gain, inverse } = policy;
-            let own = A::mul_add(advance.integral_by_move, p[2], *by_move);
-            let through = A::mul_add(h, p[1], A::mul_add(0.5 * h * h, p[0], own));
-            *step = -inverse * through;
-            decrease = A::mul_add(0.5 * inverse * through, through, decrease);
-            let by_angle = A::mul_add(integral[0], p[2], angle + p[0]);
-            let by_velocity = A::mul_add(h, p[0], velocity + p[1]);
-            p = [
-                A::mul_add(-gain[0], through, by_angle),
-                A::mul_add(
-                    -gain[1],
-                    through,
-                    A::mul_add(integral[1], p[2], by_velocity),
-                ),
-                A::mul_add(-gain[2], through, p[2]),
-            ];
+            let through = advance.back::<A>(policy, gradient, &mut p);
+            *step = -policy.inverse * through;
+            decrease = A::mul_add(0.5 * policy.inverse * through, through, decrease);
+        }
+        decrease
+    }
+
+    /// [`Self::descend`] for the gradient of q_T alone, without the moves.
+    #[inline(always)]
+    fn promised_by_heat<A: Arithmetic>(
+        &self,
+        transcription: &Transcription,
+        rollout: &Rollout,
+    ) -> f64 {
+        let splat = A::Vector::splat;
+        let Problem {
+            arm,
+            motor,
+            weights,
+            ..
+        } = transcription.problem();
+        let per_torque = splat(2.0 / (motor.torque_constant * motor.torque_constant));
+        let (damping, inertia, zero) = (splat(arm.damping), splat(arm.inertia), splat(0.0));
+        let (mut load_price, mut decrease, mut p) = (0.0, 0.0, [0.0; 3]);
+        let rows = rollout
+            .stages
+            .iter()
+            .zip(&self.policies)
+            .zip(&self.advances);
+        // A single interval if all are equal.
+        let intervals = transcription.intervals().iter().rev().cycle();
+        for (((stage, policy), advance), interval) in rows.rev().zip(intervals) {
+            let price = interval.heat_price::<A>(stage, weights.thermal, &mut load_price);
+            let torque = price * per_torque * A::Vector::new(&stage.torque);
+            let by_angle = torque * A::Vector::new(&stage.slope);
+            let drag = torque * damping;
+            let elapsed = A::Vector::new(&interval.elapsed);
+            let by_move = by_angle.mul_add(A::Vector::new(&interval.curved), drag * elapsed);
+            let sums = A::Vector::sums([
+                by_angle,
+                by_angle.mul_add(elapsed, drag),
+                torque.mul_add(inertia, by_move),
+                zero,
+            ]);
+            let [angle, velocity, move_, _] = sums.lanes();
+            let through = advance.back::<A>(policy, &[angle, velocity, move_], &mut p);
+            decrease = A::mul_add(0.5 * policy.inverse * through, through, decrease);
         }
         decrease
     }
@@ -334,6 +402,29 @@ mod tests {
                 let slope = 2.0 * (2.0 * left * (up + down)).sqrt();
                 prop_assert!((up - down).abs() <= 1.1 * slope + 1e-3 * (up + down) + 1e-9 * optimum, "{k}: {up} {down}");
             }
+        }
+
+        /// Where the policies lead the gradient of q_T is the whole gradient.
+        #[test]
+        fn heat_promises_what_the_whole_cost_does(
+            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
+            heat in 1e-6..1e-3_f64,
+        ) {
+            let mut problem = if flexure { tflex() } else { pendulum() };
+            problem.weights.thermal = heat;
+            problem.weights.integral = if integral { 1.0 } else { 0.0 };
+            (problem.growth, problem.longest) = (growth, f64::INFINITY);
+            let mut transcription = Transcription::new(problem, Instructions::Baseline);
+            transcription.set(initial, goal);
+            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
+            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
+            unconstrained.follow_policies::<Separate>(&transcription, &mut moves);
+            transcription.roll_out(&moves, &mut rollout);
+            let promised = unconstrained.promised_by_heat::<Separate>(&transcription, &rollout);
+            transcription.differentiate(heat, &moves, &rollout, &mut unconstrained.sensitivity);
+            let expected = unconstrained.descend::<Separate>();
+            prop_assert!(promised > 0.0);
+            prop_assert!((promised - expected).abs() <= 1e-6 * expected, "{promised} {expected}");
         }
 
         /// The weight of the paper is too small for a step: the moves are those without it.
