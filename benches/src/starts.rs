@@ -10,7 +10,6 @@ use clap::Args;
 use control::nmpc::plan::{PlanStatus, PlannerState};
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::Initial;
-use control::nmpc::solver::ANGLE_TOLERANCE;
 
 use crate::Failure;
 use crate::planners::draw::{Uniform, following};
@@ -142,11 +141,7 @@ impl Group {
             self.calls.push(duration);
         }
         let (plan, problem) = (planner.latest(), planner.problem());
-        let (lower, upper) = (
-            problem.angle_lower - ANGLE_TOLERANCE,
-            problem.angle_upper + ANGLE_TOLERANCE,
-        );
-        let inside = (lower..=upper).contains(&initial.reference_angle);
+        let inside = problem.admits_angle(initial.reference_angle);
         self.records.push(Record {
             before,
             initial,

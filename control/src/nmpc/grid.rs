@@ -12,8 +12,8 @@ use super::solver::Multipliers;
 pub struct Grid {
     /// Time of the nodes from the start of a plan \[N + 1\] \[s\].
     nodes: Vec<f64>,
-    /// Length of the intervals if all are equal \[s\].
-    even: Option<f64>,
+    /// Whether all intervals are equally long.
+    even: bool,
     /// For the nodes 1..N: the node that is nearest one period later \[N\].
     later: Vec<usize>,
 }
@@ -34,7 +34,7 @@ impl Grid {
         let later = nodes[1..].iter().map(|t| nearest(t + problem.period));
         Self {
             later: later.collect(),
-            even: problem.is_even().then_some(problem.period),
+            even: problem.is_even(),
             nodes,
         }
     }
@@ -65,11 +65,11 @@ impl Grid {
             .copied()
     }
 
-    /// Number of intervals in `ago` \[s\], if all are equal and that is a whole one.
+    /// Number of intervals in `ago` \[s\], if all are equally long and that is a whole one.
     fn whole_intervals(&self, ago: f64) -> Option<usize> {
-        let intervals = ago / self.even?;
+        let intervals = ago / self.nodes[1];
         let whole = intervals.round();
-        ((intervals - whole).abs() <= 1e-9 * intervals).then_some(whole as usize)
+        (self.even && (intervals - whole).abs() <= 1e-9 * intervals).then_some(whole as usize)
     }
 
     /// Velocity that the `moves` of a plan made `ago` \[s\] still add up to \[rad/s\]. O(moves).
@@ -114,7 +114,7 @@ impl Grid {
             &mut multipliers.lower,
             &mut multipliers.upper,
         ] {
-            if self.even.is_some() {
+            if self.even {
                 family.copy_within(1.., 0);
                 continue;
             }

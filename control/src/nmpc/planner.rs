@@ -206,6 +206,7 @@ impl Planner {
             self.grid.shift(&mut self.state.multipliers);
         }
         (self.plan.iterations, self.plan.convex_problems) = (0, 0);
+        self.widened = false;
         let finite = initial.is_finite() && setpoint.is_finite();
         if finite {
             let (goal, interval) = self.rest.nearest(setpoint);

@@ -27,6 +27,7 @@
 use arm::{Motor, Parameters, elementary};
 use serde::{Deserialize, Serialize};
 
+use super::solver::ANGLE_TOLERANCE;
 use super::torque_bounds::TorqueLimit;
 
 /// What the plan knows of the arm.
@@ -114,6 +115,11 @@ impl Problem {
     /// Number of nodes with bounds of θr: all after the first, but for a last one that is fixed.
     pub fn bounded_nodes(&self) -> usize {
         self.horizon - usize::from(self.terminal == Terminal::RestAtGoal)
+    }
+
+    /// Whether the reference angle `angle` \[rad\] keeps its bounds (eq 25), but for [`ANGLE_TOLERANCE`].
+    pub fn admits_angle(&self, angle: f64) -> bool {
+        self.angle_lower - ANGLE_TOLERANCE <= angle && angle <= self.angle_upper + ANGLE_TOLERANCE
     }
 
     /// Whether all shooting intervals are equally long.

@@ -63,8 +63,9 @@ impl Interval {
         }
     }
 
-    /// ∂/∂q_j of the cost of T with the weight q_T, `stage` being in a rollout, and of T after the interval at the price
-    /// `load_price`, which becomes that of T before it.
+    /// Price of heat at the stages, ∂/∂q_j \[4\] of ∫q_T·T² over the interval with q_T = `weight_thermal`, T at the stages
+    /// being those of `stage`, and of T after it at the price `load_price`, which becomes that of T before it
+    /// (eqs 20, 24, 28); in units of the cost \[1/A²\].
     #[inline(always)]
     pub fn heat_price<A: Arithmetic>(
         &self,

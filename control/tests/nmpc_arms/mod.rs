@@ -1,6 +1,7 @@
 //! The paper's arms as planners see them, shared by the tests of the planner.
 
 use arm::{Limits, Motor, Parameters};
+use control::nmpc::plan::Plan;
 use control::nmpc::planner::Planner;
 use control::nmpc::problem::FeedbackModel;
 use control::nmpc::settings::Settings;
@@ -53,4 +54,18 @@ pub fn tflex() -> Arm {
 /// Eqs 32 to 34; the controller's φ is mis-modelled.
 pub fn pendulum() -> Arm {
     of(&control::Settings::pendulum())
+}
+
+/// No number of a plan is none.
+#[allow(dead_code, reason = "every test file uses a part")]
+pub fn assert_finite(plan: &Plan) {
+    let nodes = [
+        &plan.trajectory.angle,
+        &plan.trajectory.reference_angle,
+        &plan.trajectory.reference_velocity,
+        &plan.trajectory.thermal_load,
+    ];
+    let mut all = nodes.into_iter().flatten();
+    assert!(all.all(|x| x.is_finite()) && plan.trajectory.cost.is_finite());
+    assert!(plan.moves.iter().all(|u| u.is_finite()));
 }

@@ -2,7 +2,6 @@
 
 use super::super::problem::Problem;
 use super::super::rollout::Rollout;
-use super::super::solver::ANGLE_TOLERANCE;
 
 /// Bounds of θr at the nodes after the first (eq 25). A start outside may return as slowly as the optimum
 /// without inequalities does; once that is inside, the bounds hold. Whether they are wider than the problem's.
@@ -10,12 +9,11 @@ pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollo
     let (lower, upper) = (problem.angle_lower, problem.angle_upper);
     let start = unbounded.reference_angle[0];
     // A solver's tolerance beyond a bound is no licence to leave it.
-    let mut below = start < lower - ANGLE_TOLERANCE;
-    let mut above = start > upper + ANGLE_TOLERANCE;
-    if !(below || above) {
+    if problem.admits_angle(start) {
         bounds.fill([lower, upper]);
         return false;
     }
+    let (mut below, mut above) = (start < lower, start > upper);
     for (bound, &angle) in bounds.iter_mut().zip(&unbounded.reference_angle[1..]) {
         below &= angle < lower;
         above &= angle > upper;
@@ -28,12 +26,8 @@ pub fn bound_angle(bounds: &mut [[f64; 2]], problem: &Problem, unbounded: &Rollo
 }
 
 fn are_wider(bounds: &[[f64; 2]], problem: &Problem) -> bool {
-    let [lowest, highest] = [
-        problem.angle_lower - ANGLE_TOLERANCE,
-        problem.angle_upper + ANGLE_TOLERANCE,
-    ];
-    let mut bounds = bounds.iter();
-    bounds.any(|&[lower, upper]| lower < lowest || upper > highest)
+    let mut all = bounds.iter().flatten();
+    !all.all(|&bound| problem.admits_angle(bound))
 }
 
 /// Widens the bounds so that `trajectory` keeps them; whether they are wider than the problem's.

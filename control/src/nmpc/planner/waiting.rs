@@ -16,6 +16,10 @@
 
 use super::super::transcription::Transcription;
 
+/// Least that the first movement counts as sparing, in units of what the second one does: a start that takes less
+/// torque than the place is left at leisure.
+const LEISURE: f64 = 0.1;
+
 /// A movement to rest.
 #[derive(Clone, Copy, Debug)]
 struct Movement {
@@ -74,8 +78,7 @@ pub fn wait(transcription: &Transcription, place: f64, nodes: &[f64], moves: &mu
     if spared_late <= 0.0 {
         return false;
     }
-    // A start that takes still less torque is left for this place at leisure.
-    let spared_early = (square(angle) - waiting).max(0.1 * spared_late);
+    let spared_early = (square(angle) - waiting).max(LEISURE * spared_late);
     let (middle, last) = (moves.len() / 2, moves.len());
     let end = nodes[last];
     // At least two intervals, at most half the horizon each.
@@ -99,6 +102,7 @@ pub fn wait(transcription: &Transcription, place: f64, nodes: &[f64], moves: &mu
 #[cfg(test)]
 mod tests {
     use super::super::super::examples::{pendulum, tflex};
+    use super::super::super::grid::Grid;
     use super::super::super::problem::{Initial, Problem};
     use super::super::super::rollout::Rollout;
     use super::*;
@@ -149,12 +153,9 @@ mod tests {
             ..Initial::default()
         };
         transcription.set(initial, goal);
-        let mut nodes = vec![0.0];
-        for k in 0..horizon {
-            nodes.push(nodes[k] + transcription.interval(k).length);
-        }
+        let grid = Grid::new(transcription.problem());
         let mut moves = vec![f64::NAN; horizon];
-        wait(transcription, place, &nodes, &mut moves).then(|| {
+        wait(transcription, place, grid.nodes(), &mut moves).then(|| {
             transcription.end_at_rest(&mut moves);
             let mut rollout = Rollout::new(horizon);
             transcription.roll_out(&moves, &mut rollout);

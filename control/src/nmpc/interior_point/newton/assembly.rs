@@ -63,23 +63,9 @@ impl<'a> Assembly<'a> {
 
         // Price of heat in the interval's own cost, and in all.
         let weight_heat = vector(thermal.weights());
-        let mut total = splat(load_price) * weight_heat;
-        let (mut own, mut own_load) = (splat(0.0), 0.0);
-        let per_load = share * splat(weights.thermal);
-        if weights.thermal > 0.0 {
-            let per_load = per_load * vector(&stage.thermal_load);
-            let [first, second, third] = &thermal.warming;
-            let sums = A::Vector::sums([
-                per_load * vector(first),
-                per_load * vector(second),
-                per_load * vector(third),
-                per_load * vector(thermal.stage_load()),
-            ]);
-            let [first, second, third, load] = sums.lanes();
-            own = vector(&[first, second, third, 0.0]);
-            own_load = load;
-            total = total + own;
-        }
+        let mut own_load = 0.0;
+        let own = interval.heat_price::<A>(stage, self.scale * weights.thermal, &mut own_load);
+        let total = splat(load_price).mul_add(weight_heat, own);
 
         // The gradient of the cost.
         let mut by_distance = share * splat(weights.angle) * vector(&stage.distance);
@@ -119,6 +105,7 @@ impl<'a> Assembly<'a> {
         uu = curving.mul_add(curved, uu);
         let mut by_load = [0.0; STAGES];
         if weights.thermal > 0.0 {
+            let per_load = share * splat(weights.thermal);
             // Curvature of T² in T, whose stages have seen the heat of those before.
             let warmed = [slope * angle, slope * velocity, slope * move_];
             let mut row = [splat(0.0); 3];
