@@ -16,6 +16,10 @@ ACCURACY = """\
 Accuracy of what passed. said so: fails that the solver itself reported. other: answers that are an optimum,
 but not the one of the yardstick; IPOPT finds none better near them.
 """
+INSTANCES = """\
+Medians, over the instances of each arm and start and over all of them, of how much longer the others take
+on each; what they failed is left out.
+"""
 # Rows over all classes: whether our solver had to iterate.
 EASY, HARD = "all: closed form", "all: iterated"
 ROWS = (*CLASSES, EASY, HARD)
@@ -169,6 +173,34 @@ def accuracy(records):
             counts = [str(count) for count in (len(of), g.fails, said, other)]
             rows.append([solver, kept[0], *counts, f"{g.gap:.1e}", kept[1]])
     return rows
+
+
+def by_instance(records):
+    """Median ratios to flexarm riccati over the instances, the header first."""
+    rows = [["arm", "start", f"{ACADOS}/ours", f"{IPOPT}/ours"]]
+    found = {ACADOS: [], IPOPT: []}
+    for arm in sorted({r["arm"] for r in records}):
+        for warm in (False, True):
+            of = [r for r in records if (r["arm"], r["warm"]) == (arm, warm)]
+            solvers = {
+                solver: group(solver, [r for r in of if r["solver"] == solver])
+                for solver in in_order(r["solver"] for r in of)
+            }
+            names = {name.split(",")[0]: g.solver for name, g in columns(solvers).items()}
+            times = {(r["solver"], r["number"]): min(seconds_of(r)) for r in of if r["passes"]}
+            row = {}
+            for peer in found:
+                numbers = [number for solver, number in times if solver == names.get(peer)]
+                ours = f"{OURS} riccati"
+                row[peer] = [times[names[peer], n] / times[ours, n] for n in numbers if (ours, n) in times]
+                found[peer] += row[peer]
+            rows.append([arm, "warm" if warm else "cold", *map(median, row.values())])
+    return [*rows, ["all", "both", *map(median, found.values())]]
+
+
+def median(ratios):
+    """As text."""
+    return digits(float(np.median(ratios))) if ratios else "-"
 
 
 def summary(records):

@@ -149,7 +149,8 @@ def compare(options):
     head = "\n".join(f"{key}: {value}" for key, value in environment.items())
     times = f"{report.LEGEND}\n{report.aligned(report.table(records))}"
     checks = f"{report.ACCURACY}\n{report.aligned(report.accuracy(records))}"
-    text = f"{head}\n\n{times}\n\n{checks}\n"
+    together = f"{report.INSTANCES}\n{report.aligned(report.by_instance(records))}"
+    text = f"{head}\n\n{times}\n\n{together}\n\n{checks}\n"
     print(text)
     noted = [abs(r["optimum_to_noted"]) for r in records if "optimum_to_noted" in r]
     print(f"Golden instances: IPOPT's optimum here and as noted differ by at most {max(noted):.1e}.")
