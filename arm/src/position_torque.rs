@@ -1,8 +1,8 @@
 //! g(θ) and its derivatives (eq 12), for several angles at once.
 //!
-//! One sine and cosine a piece; those of the higher harmonics follow from Chebyshev's recursion,
-//! cos (i+1)x = 2·cos x·cos ix − cos (i−1)x, and likewise the sines. Sine and cosine are computed here, so that
-//! several angles share vector instructions.
+//! One sine and cosine a piece; the sums of the higher harmonics are polynomials in cos 2x, with 1, sin 2x, cos x
+//! and sin x as factors, by Horner's rule: half the harmonics is their degree. Sine and cosine are computed here, so
+//! that several angles share vector instructions.
 
 use crate::arithmetic::{Arithmetic, Separate};
 use crate::elementary;
@@ -83,36 +83,78 @@ fn large_sin_cos(x: [f64; LANES]) -> [[f64; LANES]; 2] {
     [x.map(elementary::sin), x.map(elementary::cos)]
 }
 
+/// Powers of cos 2x in the polynomials: half the harmonics, and one.
+const POWERS: usize = HARMONICS / 2 + 1;
+/// What the polynomials of degree n in cos 2x belong to: cos 2nx = T_n, sin 2nx = sin 2x·U_{n−1},
+/// cos (2n+1)x = cos x·V_n and sin (2n+1)x = sin x·W_n, Chebyshev's four kinds \[4 × n × power\].
+const CHEBYSHEV: [[[f64; POWERS]; POWERS]; 4] = [
+    chebyshev(1.0, [0.0, 1.0]),
+    chebyshev(0.0, [1.0, 0.0]),
+    chebyshev(1.0, [-1.0, 2.0]),
+    chebyshev(1.0, [1.0, 2.0]),
+];
+
+/// Coefficients of P_n from those of P_0 and P_1 by P_{n+1} = 2y·P_n − P_{n−1}.
+const fn chebyshev(first: f64, second: [f64; 2]) -> [[f64; POWERS]; POWERS] {
+    let mut of = [[0.0; POWERS]; POWERS];
+    of[0][0] = first;
+    (of[1][0], of[1][1]) = (second[0], second[1]);
+    let mut n = 2;
+    while n < POWERS {
+        let mut power = 0;
+        while power <= n {
+            let raised = if power > 0 { of[n - 1][power - 1] } else { 0.0 };
+            of[n][power] = 2.0 * raised - of[n - 2][power];
+            power += 1;
+        }
+        n += 1;
+    }
+    of
+}
+
 /// g and its derivatives with respect to θ, the first `D` of them, ready for evaluation.
 #[derive(Clone, Copy, Debug)]
 pub struct PositionTorque<const D: usize> {
     stiffness: f64,
-    offset: f64,
     frequency: f64,
-    /// Pairs of harmonics after the first one, the highest that is present among them.
-    pairs: usize,
-    /// What cos iwθ and sin iwθ count for in each derivative, the same in all lanes.
-    waves: [[[[f64; LANES]; 2]; D]; HARMONICS],
+    /// Highest power of cos 2wθ that is present.
+    degree: usize,
+    /// What the powers of cos 2wθ count for in each derivative, times 1, sin 2wθ, cos wθ and sin wθ, the same in
+    /// all lanes.
+    powers: [[[[f64; LANES]; 4]; D]; POWERS],
 }
 
 impl<const D: usize> PositionTorque<D> {
     /// Of an arm.
     pub fn new(arm: &Parameters) -> Self {
-        let mut waves = [[[[0.0; LANES]; 2]; D]; HARMONICS];
-        for (i, of_harmonic) in waves.iter_mut().enumerate() {
-            let frequency = (i + 1) as f64 * arm.cogging_frequency;
-            let [mut cos, mut sin] = [arm.cogging_cos[i], arm.cogging_sin[i]];
-            for wave in of_harmonic {
-                *wave = [[cos; LANES], [sin; LANES]];
-                (cos, sin) = (frequency * sin, -frequency * cos);
+        let mut powers = [[[[0.0; LANES]; 4]; D]; POWERS];
+        let mut add = |power: usize, d: usize, of: usize, what: f64| {
+            let lanes: &mut [f64; LANES] = &mut powers[power][d][of];
+            *lanes = lanes.map(|sum| sum + what);
+        };
+        let waves = arm.cogging_cos.iter().zip(&arm.cogging_sin);
+        for (i, (&cos, &sin)) in (1..).zip(waves).take(arm.harmonics()) {
+            let (frequency, odd) = (i as f64 * arm.cogging_frequency, 2 * (i % 2));
+            let mut wave = [cos, sin];
+            for d in 0..D {
+                for (of, amplitude) in wave.into_iter().enumerate() {
+                    let polynomial = &CHEBYSHEV[odd + of][i / 2];
+                    for (power, coefficient) in polynomial.iter().enumerate().take(i / 2 + 1) {
+                        add(power, d, odd + of, amplitude * coefficient);
+                    }
+                }
+                wave = [frequency * wave[1], -frequency * wave[0]];
             }
+        }
+        add(0, 0, 0, arm.offset);
+        if D > 1 {
+            add(0, 1, 0, arm.stiffness);
         }
         Self {
             stiffness: arm.stiffness,
-            offset: arm.offset,
             frequency: arm.cogging_frequency,
-            pairs: arm.harmonics() / 2,
-            waves,
+            degree: arm.harmonics() / 2,
+            powers,
         }
     }
 
@@ -124,52 +166,41 @@ impl<const D: usize> PositionTorque<D> {
         angle: [A::Vector; M],
     ) -> [[A::Vector; M]; E] {
         const { assert!(1 <= E && E <= D) };
-        let splat = A::Vector::splat;
+        let (vector, splat) = (A::Vector::new, A::Vector::splat);
         let (mut scaled, mut sums) = (angle, [[splat(0.0); M]; E]);
         for m in 0..M {
             scaled[m] = splat(self.frequency) * angle[m];
         }
         let [sin, cos] = sin_cos::<A, M>(scaled);
-        let (first, others) = self
-            .waves
-            .split_first_chunk::<1>()
-            .unwrap_or((&[[[[0.0; LANES]; 2]; D]], &[]));
-        let (others, _) = others.as_chunks::<2>();
         for m in 0..M {
-            let mut sum = [splat(0.0); E];
-            sum[0] = splat(self.stiffness).mul_add(angle[m], splat(self.offset));
-            if E > 1 {
-                sum[1] = splat(self.stiffness);
-            }
-            let mut odd = [cos[m], sin[m]];
-            let mut even = [splat(1.0), splat(0.0)];
-            let twice = cos[m] + cos[m];
-            add::<A, D, E>(&first[0], odd, &mut sum);
-            // Even and odd harmonics in turn, each from the two before.
-            for [waves_even, waves_odd] in others.iter().take(self.pairs) {
-                even = [0, 1].map(|of| twice.mul_sub(odd[of], even[of]));
-                add::<A, D, E>(waves_even, even, &mut sum);
-                odd = [0, 1].map(|of| twice.mul_sub(even[of], odd[of]));
-                add::<A, D, E>(waves_odd, odd, &mut sum);
+            let [lowest, .., highest] = &self.powers;
+            let mut polynomials = [[splat(0.0); 4]; E];
+            if self.degree == 0 {
+                for e in 0..E {
+                    polynomials[e] = lowest[e].each_ref().map(vector);
+                }
+            } else {
+                let twice = cos[m] + cos[m];
+                let (sin_double, cos_double) = (twice * sin[m], twice.mul_sub(cos[m], splat(1.0)));
+                for e in 0..E {
+                    let mut polynomial = highest[e].each_ref().map(vector);
+                    for power in (0..POWERS - 1).rev() {
+                        for of in 0..4 {
+                            let coefficient = vector(&self.powers[power][e][of]);
+                            polynomial[of] = polynomial[of].mul_add(cos_double, coefficient);
+                        }
+                    }
+                    polynomial[0] = polynomial[1].mul_add(sin_double, polynomial[0]);
+                    polynomials[e] = polynomial;
+                }
             }
             for e in 0..E {
-                sums[e][m] = sum[e];
+                let [even, _, by_cos, by_sin] = polynomials[e];
+                sums[e][m] = by_cos.mul_add(cos[m], by_sin.mul_add(sin[m], even));
             }
+            sums[0][m] = splat(self.stiffness).mul_add(angle[m], sums[0][m]);
         }
         sums
-    }
-}
-
-/// Adds what a harmonic of the given cosine and sine counts for.
-#[inline(always)]
-fn add<A: Arithmetic, const D: usize, const E: usize>(
-    waves: &[[[f64; LANES]; 2]; D],
-    [cos, sin]: [A::Vector; 2],
-    sums: &mut [A::Vector; E],
-) {
-    for (sum, [by_cos, by_sin]) in sums.iter_mut().zip(waves) {
-        *sum = A::Vector::new(by_cos).mul_add(cos, *sum);
-        *sum = A::Vector::new(by_sin).mul_add(sin, *sum);
     }
 }
 
@@ -241,7 +272,7 @@ mod tests {
         }
 
         #[test]
-        fn recursion_agrees_with_the_direct_sum(p in any_parameters(), angle in -3.0..3.0_f64) {
+        fn polynomials_agree_with_the_direct_sum(p in any_parameters(), angle in -3.0..3.0_f64) {
             let direct: f64 = (1..=HARMONICS).map(|i| {
                 let (sin, cos) = (i as f64 * p.cogging_frequency * angle).sin_cos();
                 p.cogging_cos[i - 1] * cos + p.cogging_sin[i - 1] * sin
