@@ -38,8 +38,6 @@ pub struct Interval {
     pub thermal: ThermalStep,
     /// Stage values M_1..M_4 and step M_5 of the deviation.
     pub deviation: [Matrix3; STAGES + 1],
-    /// Rows 1 and 2 of M_1..M_4, the stages as lanes \[2 × 3 × 4\].
-    pub stage_deviation: [[Lanes; 3]; 2],
 }
 
 impl Interval {
@@ -57,9 +55,6 @@ impl Interval {
             quadrature: QUADRATURE.map(|weight| weight * length),
             thermal: ThermalStep::new(length / problem.motor.thermal_time_constant),
             deviation,
-            stage_deviation: std::array::from_fn(|row| {
-                std::array::from_fn(|column| std::array::from_fn(|j| deviation[j][row][column]))
-            }),
         }
     }
 

@@ -39,10 +39,10 @@ pub struct Transcription {
     intervals: Vec<Interval>,
     initial: Initial,
     goal: f64,
-    /// θ−θr and ω−ωr at the stages \[N × 2 × 4\].
-    deviation: Vec<[Lanes; 2]>,
-    /// z = (θ−θr, ω−ωr, e_L) at the nodes \[N + 1\].
-    node_deviation: Vec<[f64; 3]>,
+    /// θ−θr and ω−ωr at the stages, and z after the interval in the first three lanes \[N × 3 × 4\].
+    deviation: Vec<[Lanes; 3]>,
+    /// The same for z = (1, 0, 0), (0, 1, 0) and (0, 0, 1) at the start \[N × 3 × 3 × 4\].
+    deviation_of_units: Vec<[[Lanes; 3]; 3]>,
 }
 
 impl Transcription {
@@ -50,16 +50,17 @@ impl Transcription {
     pub fn new(problem: Problem, instructions: Instructions) -> Self {
         let horizon = problem.horizon;
         let kinds = if problem.is_even() { 1 } else { horizon };
+        let intervals: Vec<_> = (0..kinds)
+            .map(|k| Interval::new(&problem, problem.interval_length(k)))
+            .collect();
         Self {
             instructions,
             position_torque: PositionTorque::new(&problem.arm),
-            intervals: (0..kinds)
-                .map(|k| Interval::new(&problem, problem.interval_length(k)))
-                .collect(),
+            deviation_of_units: deviation_of_units(&intervals, horizon),
+            intervals,
             initial: Initial::default(),
             goal: 0.0,
-            deviation: vec![[[0.0; STAGES]; 2]; horizon],
-            node_deviation: vec![[0.0; 3]; horizon + 1],
+            deviation: vec![[[0.0; STAGES]; 3]; horizon],
             problem,
         }
     }
@@ -116,36 +117,33 @@ impl Transcription {
 
     #[inline(always)]
     fn deviate<A: Arithmetic>(&mut self) {
-        let (vector, splat) = (A::Vector::new, A::Vector::splat);
-        let initial = &self.initial;
-        let mut z = [
-            initial.angle - initial.reference_angle,
-            initial.velocity - initial.reference_velocity,
-            initial.feedback_integral,
-        ];
-        self.node_deviation[0] = z;
-        let nodes = self.deviation.iter_mut().zip(&mut self.node_deviation[1..]);
-        for ((stages, node), interval) in nodes.zip(self.intervals.iter().cycle()) {
-            for (stage, [a, b, c]) in stages.iter_mut().zip(&interval.stage_deviation) {
-                let first = vector(a) * splat(z[0]);
-                let both = vector(b).mul_add(splat(z[1]), first);
-                *stage = vector(c).mul_add(splat(z[2]), both).lanes();
+        let z = self.deviation_at(0).map(A::Vector::splat);
+        for (deviation, of_units) in self.deviation.iter_mut().zip(&self.deviation_of_units) {
+            for (row, [a, b, c]) in deviation.iter_mut().zip(of_units) {
+                let both = A::Vector::new(b).mul_add(z[1], A::Vector::new(a) * z[0]);
+                *row = A::Vector::new(c).mul_add(z[2], both).lanes();
             }
-            z = interval.deviation[STAGES]
-                .each_ref()
-                .map(|row| A::mul_add(row[2], z[2], A::mul_add(row[1], z[1], row[0] * z[0])));
-            *node = z;
         }
     }
 
-    /// z = (θ−θr, ω−ωr, e_L) at the nodes \[N + 1\].
-    pub fn node_deviation(&self) -> &[[f64; 3]] {
-        &self.node_deviation
+    /// z = (θ−θr, ω−ωr, e_L) at node `k`.
+    pub fn deviation_at(&self, k: usize) -> [f64; 3] {
+        match k.checked_sub(1) {
+            Some(interval) => {
+                let [.., [angle, velocity, integral, _]] = self.deviation[interval];
+                [angle, velocity, integral]
+            }
+            None => [
+                self.initial.angle - self.initial.reference_angle,
+                self.initial.velocity - self.initial.reference_velocity,
+                self.initial.feedback_integral,
+            ],
+        }
     }
 
     /// (θr, ωr) at the end that put the arm to rest at the goal (eq 27) \[rad, rad/s\].
     pub fn terminal_reference(&self) -> [f64; 2] {
-        let [angle, velocity, _] = self.node_deviation[self.problem.horizon];
+        let [angle, velocity, _] = self.deviation_at(self.problem.horizon);
         [self.goal - angle, -velocity]
     }
 
@@ -224,11 +222,10 @@ impl Transcription {
         let nodes = rollout.reference_angle[1..].iter_mut();
         let nodes = nodes.zip(&mut rollout.reference_velocity[1..]);
         let nodes = nodes.zip(&mut rollout.angle[1..]);
-        let known = self.deviation.iter().zip(&self.node_deviation[1..]);
         let intervals = moves.iter().zip(self.each_interval());
-        let stages = rollout.stages.iter_mut().zip(known).zip(intervals);
+        let stages = rollout.stages.iter_mut().zip(&self.deviation).zip(intervals);
         let (mut cost, mut effort) = (splat(0.0), 0.0);
-        for (((stage, (deviation, node_deviation)), (&u, interval)), node) in stages.zip(nodes) {
+        for (((stage, deviation), (&u, interval)), node) in stages.zip(nodes) {
             let h = interval.length;
             let elapsed = vector(&interval.elapsed);
             let curve = vector(&interval.curved).mul_add(splat(u), splat(angle - goal));
@@ -256,7 +253,7 @@ impl Transcription {
             velocity = A::mul_add(h, u, velocity);
             let ((reference_angle, reference_velocity), true_angle) = node;
             (*reference_angle, *reference_velocity) = (angle, velocity);
-            *true_angle = angle + node_deviation[0];
+            *true_angle = angle + deviation[2][0];
         }
         rollout.cost = A::mul_add(weights.acceleration, effort, cost.sum());
     }
@@ -410,6 +407,27 @@ impl Transcription {
             slope * CURVED[j] * h * h + arm.damping * time + arm.inertia,
         ]
     }
+}
+
+/// [`Transcription::deviation`] for every unit of z at the start.
+fn deviation_of_units(intervals: &[Interval], horizon: usize) -> Vec<[[Lanes; 3]; 3]> {
+    let mut z = nalgebra::Matrix3::identity();
+    let mut of_interval = |interval: &Interval| {
+        let after = interval
+            .deviation
+            .map(|step| nalgebra::Matrix3::from_fn(|r, c| step[r][c]) * z);
+        z = after[STAGES];
+        let row = |lane: &dyn Fn(usize, usize) -> f64| {
+            std::array::from_fn(|unit| std::array::from_fn(|j| lane(j, unit)))
+        };
+        [
+            row(&|j, unit| after[j][(0, unit)]),
+            row(&|j, unit| after[j][(1, unit)]),
+            row(&|j, unit| if j < 3 { z[(j, unit)] } else { 0.0 }),
+        ]
+    };
+    let each = intervals.iter().cycle().take(horizon);
+    each.map(&mut of_interval).collect()
 }
 
 /// Largest magnitude of an eigenvalue.

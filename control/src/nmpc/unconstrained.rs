@@ -7,7 +7,7 @@
 //! curvature, which q_T·T² hardly bends, while one promises a decrease that counts: with the weights of the
 //! paper none does. O(N) a plan.
 
-use arm::{Arithmetic, Kernel, Separate, Vector};
+use arm::{Arithmetic, Kernel, LANES, Separate, Vector};
 
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
 use super::problem::{Problem, Terminal};
@@ -71,6 +71,8 @@ pub struct Unconstrained {
     price: [[f64; STATES]; STATES],
     /// What the intervals do \[N\].
     advances: Vec<Advance>,
+    /// The moves for every unit of the state at the start, four side by side \[⌈N/4⌉ × 6 × 4\].
+    moves_of_units: Vec<[[f64; LANES]; STATES]>,
     sensitivity: Sensitivity,
     /// Change of the moves in a Newton step \[N\].
     step: Vec<f64>,
@@ -98,9 +100,10 @@ impl Unconstrained {
             inverse: 0.0,
         };
         let mut policies = vec![idle; horizon];
-        let mut advances = Vec::with_capacity(horizon);
-        for k in (0..horizon).rev() {
-            let form = Form::new(problem, transcription.interval(k));
+        let forms: Vec<_> = (0..horizon)
+            .map(|k| Form::new(problem, transcription.interval(k)))
+            .collect();
+        for (k, form) in forms.iter().enumerate().rev() {
             let at_rest = (k + 2).checked_sub(horizon);
             let at_rest = at_rest.filter(|_| problem.terminal == Terminal::RestAtGoal);
             let imposed = at_rest.map(|index| {
@@ -114,17 +117,17 @@ impl Unconstrained {
                 )
             });
             policies[k] = form.policy::<Separate>(&mut price, imposed)?;
-            advances.push(Advance {
-                length: transcription.interval(k).length,
-                integral: form.a[2],
-                integral_by_move: form.b[2],
-            });
         }
-        advances.reverse();
+        let advances = (0..horizon).map(|k| Advance {
+            length: transcription.interval(k).length,
+            integral: forms[k].a[2],
+            integral_by_move: forms[k].b[2],
+        });
         Some(Self {
+            advances: advances.collect(),
+            moves_of_units: moves_of_units(&forms, &policies),
             policies,
             price,
-            advances,
             sensitivity: Sensitivity::new(horizon),
             step: vec![0.0; horizon],
         })
@@ -196,33 +199,24 @@ impl Unconstrained {
     /// The moves of the policies.
     #[inline(always)]
     fn follow_policies<A: Arithmetic>(&self, transcription: &Transcription, moves: &mut [f64]) {
-        let dot = |a: &[f64; STATES], b: &[f64; STATES]| {
-            let half = |l: usize| {
-                A::mul_add(
-                    a[l],
-                    b[l],
-                    A::mul_add(a[l + 1], b[l + 1], a[l + 2] * b[l + 2]),
-                )
-            };
-            half(0) + half(3)
-        };
         let initial = transcription.initial();
-        let mut x = [0.0; STATES];
-        x[0] = initial.reference_angle - transcription.goal();
-        x[1] = initial.reference_velocity;
-        x[2] = initial.integral;
-        let integral = transcription.problem().weights.integral > 0.0;
-        let rows = moves.iter_mut().zip(&self.policies).zip(&self.advances);
-        let rows = rows.zip(transcription.node_deviation());
-        for (((u, policy), advance), deviation) in rows {
-            let h = advance.length;
-            x[3..].copy_from_slice(deviation);
-            *u = -dot(&policy.gain, &x);
-            if integral {
-                x[2] = A::mul_add(advance.integral_by_move, *u, dot(&advance.integral, &x));
-            }
-            x[0] += A::mul_add(0.5 * h * h, *u, h * x[1]);
-            x[1] = A::mul_add(h, *u, x[1]);
+        let [angle, velocity, integral] = transcription.deviation_at(0);
+        let x = [
+            initial.reference_angle - transcription.goal(),
+            initial.reference_velocity,
+            initial.integral,
+            angle,
+            velocity,
+            integral,
+        ];
+        let x = x.map(A::Vector::splat);
+        let (whole, rest) = moves.as_chunks_mut();
+        let (of_whole, of_rest) = self.moves_of_units.split_at(whole.len());
+        for (moves, of_units) in whole.iter_mut().zip(of_whole) {
+            *moves = combined::<A>(of_units, &x);
+        }
+        for of_units in of_rest {
+            rest.copy_from_slice(&combined::<A>(of_units, &x)[..rest.len()]);
         }
     }
 
@@ -311,6 +305,40 @@ impl Unconstrained {
             *u += factor * step;
         }
     }
+}
+
+/// Σ x_i·of_units_i, `x` the same in all lanes.
+#[inline(always)]
+fn combined<A: Arithmetic>(
+    of_units: &[[f64; LANES]; STATES],
+    x: &[A::Vector; STATES],
+) -> [f64; LANES] {
+    let vector = A::Vector::new;
+    let [a, b, c, d, e, f] = of_units;
+    let reference = vector(c).mul_add(x[2], vector(b).mul_add(x[1], vector(a) * x[0]));
+    let deviation = vector(f).mul_add(x[5], vector(e).mul_add(x[4], vector(d) * x[3]));
+    (reference + deviation).lanes()
+}
+
+/// The moves that `policies` make of every unit of the state at the start.
+fn moves_of_units(
+    forms: &[Form<STATES>],
+    policies: &[Policy<STATES>],
+) -> Vec<[[f64; LANES]; STATES]> {
+    let mut moves = vec![[[0.0; LANES]; STATES]; forms.len().div_ceil(LANES)];
+    for unit in 0..STATES {
+        let mut x = [0.0; STATES];
+        x[unit] = 1.0;
+        let dot = |row: &[f64; STATES], x: &[f64; STATES]| -> f64 {
+            row.iter().zip(x).map(|(a, b)| a * b).sum()
+        };
+        for (k, (form, policy)) in forms.iter().zip(policies).enumerate() {
+            let u = -dot(&policy.gain, &x);
+            moves[k / LANES][unit][k % LANES] = u;
+            x = std::array::from_fn(|i| dot(&form.a[i], &x) + form.b[i] * u);
+        }
+    }
+    moves
 }
 
 /// The deadbeat policy of `angle` and `velocity` for the whole state, `left` \[s\] before the end and with
