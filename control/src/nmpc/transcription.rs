@@ -21,6 +21,8 @@
 //! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
 //! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
 
+use std::ops::Range;
+
 use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector, elementary};
 
 use super::linear_quadratic::deadbeat;
@@ -86,10 +88,12 @@ impl Transcription {
         &self.intervals
     }
 
-    /// The intervals one after the other, without end.
+    /// The intervals with the part of the plan that each divides: all of it if all are equal.
     #[inline(always)]
-    fn each_interval(&self) -> impl Iterator<Item = &Interval> {
-        self.intervals.iter().cycle()
+    pub fn stretches(&self) -> impl DoubleEndedIterator<Item = (&Interval, Range<usize>)> {
+        let each = self.problem.horizon / self.intervals.len();
+        let stretch = move |(index, interval)| (interval, index * each..(index + 1) * each);
+        self.intervals.iter().enumerate().map(stretch)
     }
 
     /// h_k, length of interval `k`, the first and the last one repeated beyond the ends \[s\].
@@ -212,48 +216,55 @@ impl Transcription {
     fn follow<A: Arithmetic>(&self, moves: &[f64], rollout: &mut Rollout) {
         let Problem { arm, weights, .. } = self.problem;
         let (vector, splat) = (A::Vector::new, A::Vector::splat);
-        let (goal, damping) = (self.goal, splat(arm.damping));
+        let (damping, inertia) = (splat(arm.damping), splat(arm.inertia));
+        let goal = self.goal;
         let initial = &self.initial;
         let (mut angle, mut velocity) = (initial.reference_angle, initial.reference_velocity);
         let mut integral = initial.integral;
         rollout.reference_angle[0] = angle;
         rollout.reference_velocity[0] = velocity;
         rollout.angle[0] = initial.angle;
-        let nodes = rollout.reference_angle[1..].iter_mut();
-        let nodes = nodes.zip(&mut rollout.reference_velocity[1..]);
-        let nodes = nodes.zip(&mut rollout.angle[1..]);
-        let intervals = moves.iter().zip(self.each_interval());
-        let stages = rollout.stages.iter_mut().zip(&self.deviation).zip(intervals);
+        let weighs_integral = weights.integral > 0.0;
         let (mut cost, mut effort) = (splat(0.0), 0.0);
-        for (((stage, deviation), (&u, interval)), node) in stages.zip(nodes) {
-            let h = interval.length;
+        for (interval, stretch) in self.stretches() {
+            let (h, after) = (interval.length, stretch.start + 1..stretch.end + 1);
             let elapsed = vector(&interval.elapsed);
-            let curve = vector(&interval.curved).mul_add(splat(u), splat(angle - goal));
-            let d = elapsed.mul_add(splat(velocity), curve) + vector(&deviation[0]);
-            let reference_velocity = elapsed.mul_add(splat(u), splat(velocity));
-            let v = reference_velocity + vector(&deviation[1]);
-            let moving = damping.mul_add(reference_velocity, splat(arm.inertia * u));
-            let mut loss = (splat(weights.velocity) * v).mul_add(v, splat(weights.angle) * d * d);
-            stage.distance = d.lanes();
-            stage.velocity = v.lanes();
-            stage.torque = moving.lanes();
             let quadrature = vector(&interval.quadrature);
-            if weights.integral > 0.0 {
-                let [first, second, third, _] = stage.distance;
-                let seen = vector(&[0.0, first, second, third]);
-                let e = elapsed.mul_add(seen, splat(integral));
-                loss = (splat(weights.integral) * e).mul_add(e, loss);
-                stage.integral = e.lanes();
-                integral += (quadrature * d).sum();
-            }
-            cost = quadrature.mul_add(loss, cost);
-            effort = A::mul_add(h * u, u, effort);
+            let nodes = rollout.reference_angle[after.clone()].iter_mut();
+            let nodes = nodes.zip(&mut rollout.reference_velocity[after.clone()]);
+            let nodes = nodes.zip(&mut rollout.angle[after]);
+            let stages = rollout.stages[stretch.clone()].iter_mut();
+            let stages = stages.zip(&self.deviation[stretch.clone()]);
+            let stages = stages.zip(&moves[stretch]);
+            for (((stage, deviation), &u), node) in stages.zip(nodes) {
+                let both = splat(u);
+                let curve = vector(&interval.curved).mul_add(both, splat(angle - goal));
+                let d = elapsed.mul_add(splat(velocity), curve) + vector(&deviation[0]);
+                let reference_velocity = elapsed.mul_add(both, splat(velocity));
+                let v = reference_velocity + vector(&deviation[1]);
+                let moving = damping.mul_add(reference_velocity, inertia * both);
+                let by_angle = splat(weights.angle) * d * d;
+                let mut loss = (splat(weights.velocity) * v).mul_add(v, by_angle);
+                stage.distance = d.lanes();
+                stage.velocity = v.lanes();
+                stage.torque = moving.lanes();
+                if weighs_integral {
+                    let [first, second, third, _] = stage.distance;
+                    let seen = vector(&[0.0, first, second, third]);
+                    let e = elapsed.mul_add(seen, splat(integral));
+                    loss = (splat(weights.integral) * e).mul_add(e, loss);
+                    stage.integral = e.lanes();
+                    integral += (quadrature * d).sum();
+                }
+                cost = quadrature.mul_add(loss, cost);
+                effort = A::mul_add(h * u, u, effort);
 
-            angle += A::mul_add(0.5 * h * h, u, h * velocity);
-            velocity = A::mul_add(h, u, velocity);
-            let ((reference_angle, reference_velocity), true_angle) = node;
-            (*reference_angle, *reference_velocity) = (angle, velocity);
-            *true_angle = angle + deviation[2][0];
+                angle += A::mul_add(0.5 * h * h, u, h * velocity);
+                velocity = A::mul_add(h, u, velocity);
+                let ((reference_angle, reference_velocity), true_angle) = node;
+                (*reference_angle, *reference_velocity) = (angle, velocity);
+                *true_angle = angle + deviation[2][0];
+            }
         }
         rollout.cost = A::mul_add(weights.acceleration, effort, cost.sum());
     }
@@ -289,32 +300,32 @@ impl Transcription {
         let constant = self.problem.motor.torque_constant;
         let per_torque = splat(1.0 / (constant * constant));
         let price = self.problem.weights.thermal;
+        let is_weighed = price > 0.0;
         let (mut load, mut cost) = (self.initial.thermal_load, splat(0.0));
         let (mut excess, mut total_excess) = (0.0, 0.0);
         rollout.thermal_load[0] = load;
-        let nodes = rollout
-            .stages
-            .iter_mut()
-            .zip(&mut rollout.thermal_load[1..]);
-        for ((stage, node), interval) in nodes.zip(self.each_interval()) {
-            let thermal = &interval.thermal;
-            let torque = vector(&stage.torque);
-            let heat = per_torque * torque * torque;
-            if price > 0.0 {
-                let mut t = vector(thermal.stage_load()) * splat(load);
-                for (warming, heat) in thermal.warming.iter().zip(heat.lanes()) {
-                    t = vector(warming).mul_add(splat(heat), t);
+        for (interval, stretch) in self.stretches() {
+            let (thermal, quadrature) = (&interval.thermal, vector(&interval.quadrature));
+            let nodes = &mut rollout.thermal_load[stretch.start + 1..stretch.end + 1];
+            for (stage, node) in rollout.stages[stretch].iter_mut().zip(nodes) {
+                let torque = vector(&stage.torque);
+                let heat = per_torque * torque * torque;
+                if is_weighed {
+                    let mut t = vector(thermal.stage_load()) * splat(load);
+                    for (warming, heat) in thermal.warming.iter().zip(heat.lanes()) {
+                        t = vector(warming).mul_add(splat(heat), t);
+                    }
+                    cost = (quadrature * t).mul_add(t, cost);
+                    stage.thermal_load = t.lanes();
                 }
-                cost = (vector(&interval.quadrature) * t).mul_add(t, cost);
-                stage.thermal_load = t.lanes();
+                let warmed = (vector(thermal.weights()) * heat).sum();
+                load = A::mul_add(thermal.decay(), load, warmed);
+                *node = load;
+                let beyond = load - interval.thermal_limit;
+                let above = if beyond > 0.0 { beyond } else { 0.0 };
+                excess = if above > excess { above } else { excess };
+                total_excess += above;
             }
-            let warmed = (vector(thermal.weights()) * heat).sum();
-            load = A::mul_add(thermal.decay(), load, warmed);
-            *node = load;
-            let beyond = load - interval.thermal_limit;
-            let above = if beyond > 0.0 { beyond } else { 0.0 };
-            excess = if above > excess { above } else { excess };
-            total_excess += above;
         }
         rollout.cost = A::mul_add(price, cost.sum(), rollout.cost);
         (rollout.excess, rollout.total_excess) = (excess, total_excess);
