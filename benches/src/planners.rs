@@ -46,6 +46,7 @@ pub fn of(settings: &Settings) -> Result<Planner, Failure> {
         gain_angle: settings.feedback.gains.angle,
         gain_velocity: settings.feedback.gains.velocity,
         gain_integral: 0.0,
+        sample_period: 0.0,
     };
     let planner = Planner::new(
         &settings.nmpc,

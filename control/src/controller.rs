@@ -76,6 +76,7 @@ impl Controller {
             gain_angle: feedback.gains.angle,
             gain_velocity: feedback.gains.velocity,
             gain_integral: feedback.gains.integral,
+            sample_period: *sample_period,
         };
         let planner = Planner::new(nmpc, arm, motor, limits, &model)?;
         let samples_per_plan = whole_if_close(nmpc.period / sample_period);

@@ -109,7 +109,7 @@ mod tests {
             // The larger gain is too stiff for RK4 in steps of 5 ms.
             let settings = Settings::tflex();
             let model = FeedbackModel {
-                inertia: 0.0818, gain_angle: 31.62, gain_velocity, gain_integral: 5.0,
+                inertia: 0.0818, gain_angle: 31.62, gain_velocity, gain_integral: 5.0, sample_period: 0.0,
             };
             let initial = Initial {
                 angle: 1.2 + error, velocity: velocity + 0.1, reference_angle: 1.2,

@@ -12,6 +12,7 @@ pub fn feedback(settings: &Settings) -> FeedbackModel {
         gain_angle: settings.feedback.gains.angle,
         gain_velocity: settings.feedback.gains.velocity,
         gain_integral: 0.0,
+        sample_period: 0.0,
     }
 }
 

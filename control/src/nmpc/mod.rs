@@ -24,6 +24,7 @@
 //!     gain_angle: 31.62,
 //!     gain_velocity: 2.756,
 //!     gain_integral: 0.0,
+//!     sample_period: 2.5e-4,
 //! };
 //! let (arm, motor, limits) = (Parameters::tflex(), Motor::tflex(), Limits::tflex());
 //! let mut planner = Planner::new(&Settings::default(), &arm, &motor, &limits, &feedback)

@@ -76,6 +76,8 @@ pub struct FeedbackModel {
     pub gain_velocity: f64,
     /// Kint \[N·m/(rad·s)\].
     pub gain_integral: f64,
+    /// How long it holds the torque \[s\]; 0: not at all, as eq 22 has it.
+    pub sample_period: f64,
 }
 
 /// What stays fixed from plan to plan.
@@ -131,9 +133,11 @@ impl Problem {
     ///
     /// A plan on a growing grid is made anew before its long intervals are over, on nodes elsewhere, and the
     /// moves it had in mind are not among the new ones. What the load can change in that much time, of the
-    /// order of T_limit·(h_k − h_0)/T_tc, is kept back so that the new plan keeps the limit too.
+    /// order of T_limit·(h_k − h_0)/T_tc, is kept back so that the new plan keeps the limit too. So is what it can
+    /// change in a sample of the feedback: a held torque lags behind the plan's, and the feedback makes up for it.
     pub fn thermal_limit_after(&self, length: f64) -> f64 {
-        let kept_back = (length - self.period) / self.motor.thermal_time_constant;
+        let unplanned = length - self.period + self.feedback.sample_period;
+        let kept_back = unplanned / self.motor.thermal_time_constant;
         let limit = self.thermal_limit.unwrap_or(f64::INFINITY);
         limit * (1.0 - kept_back).max(0.5)
     }

@@ -129,6 +129,7 @@ mod tests {
             gain_angle: 0.0,
             gain_velocity: 0.0,
             gain_integral: 0.0,
+            sample_period: 0.0,
         };
         let (arm, motor) = (Parameters::pendulum(), Motor::pendulum());
         settings

@@ -136,6 +136,7 @@ impl Settings {
                     self.models_feedback && self.models_integrator,
                     feedback.gain_integral,
                 ),
+                ..*feedback
             },
             model: self.model,
             terminal: self.terminal,

@@ -42,6 +42,7 @@ fn of(settings: &control::Settings) -> Arm {
             gain_angle: feedback.gains.angle,
             gain_velocity: feedback.gains.velocity,
             gain_integral: 0.0,
+            sample_period: 0.0,
         },
     }
 }
