@@ -73,6 +73,7 @@ impl<const S: usize> Newton<S> {
                 gain: [0.0; S],
                 inverse: 0.0,
             },
+            closed: [[0.0; S]; S],
         };
         Self {
             forms: transcription
@@ -166,18 +167,17 @@ impl<const S: usize> Newton<S> {
         for ((linear, u), (of_angle, of_load)) in rows.zip(slopes.take(horizon)).rev() {
             p[0] += of_angle;
             p[LOAD] += of_load;
-            let Policy { gain, inverse } = &linear.policy;
-            let mut through = linear.gradient_by_move;
-            let mut next = linear.transposed::<A>(&p);
-            for i in 0..S {
-                through = A::mul_add(linear.by_move[i], p[i], through);
-            }
-            for c in 0..S {
-                next[c] = A::mul_add(-gain[c], through, linear.gradient[c] + next[c]);
+            let inverse = linear.policy.inverse;
+            let (mut through, mut before) = (linear.gradient_by_move, linear.gradient);
+            for r in 0..S {
+                through = A::mul_add(linear.by_move[r], p[r], through);
+                for c in 0..S {
+                    before[c] = A::mul_add(linear.closed[r][c], p[r], before[c]);
+                }
             }
             *u = -inverse * through;
             decrease = A::mul_add(0.5 * inverse * through, through, decrease);
-            p = next;
+            p = before;
         }
         self.decrease = decrease;
         let mut x = [0.0; S];
@@ -185,10 +185,15 @@ impl<const S: usize> Newton<S> {
         let changes = changes.zip(self.load.as_flattened_mut());
         let rows = self.linear.iter().zip(&mut self.moves);
         for ((linear, u), (angle, load)) in rows.zip(changes) {
-            for i in 0..S {
-                *u = A::mul_add(-linear.policy.gain[i], x[i], *u);
+            // What the move adds to the policy's, then the move.
+            let mut after = linear.by_move.map(|by_move| by_move * *u);
+            for c in 0..S {
+                *u = A::mul_add(-linear.policy.gain[c], x[c], *u);
+                for r in 0..S {
+                    after[r] = A::mul_add(linear.closed[r][c], x[c], after[r]);
+                }
             }
-            x = linear.advance::<A>(&x, *u);
+            x = after;
             (*angle, *load) = (x[0], x[LOAD]);
         }
     }

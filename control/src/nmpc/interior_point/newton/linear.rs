@@ -24,12 +24,14 @@ pub struct Linear<const S: usize> {
     pub integral: [f64; 2],
     /// ∂x⁺/∂u = (h²/2, h, t_u, e_u).
     pub by_move: [f64; S],
-    /// Gradient of the cost in x.
+    /// Gradient of the cost in x; with the policy, where the move follows it.
     pub gradient: [f64; S],
     /// Gradient of the cost in u.
     pub gradient_by_move: f64,
     /// The policy of the interval's move.
     pub policy: Policy<S>,
+    /// ∂x⁺/∂x where the move follows it, by rows.
+    pub closed: [[f64; S]; S],
 }
 
 /// Curvature of an interval's cost: the parts Q, S and R of H; of Q only the upper triangle counts.
@@ -55,23 +57,6 @@ impl<const S: usize> Linear<S> {
             product[1] = A::mul_add(self.integral[1], p[S - 1], product[1]);
         }
         product
-    }
-
-    /// A·x + B·u.
-    #[inline(always)]
-    pub fn advance<A: Arithmetic>(&self, x: &[f64; S], u: f64) -> [f64; S] {
-        let mut next = *x;
-        next[0] = A::mul_add(self.h, x[1], x[0]);
-        let warmed = A::mul_add(self.load[0], x[0], self.load[1] * x[1]);
-        next[LOAD] = A::mul_add(self.load[2], x[LOAD], warmed);
-        if S > LOAD + 1 {
-            let grown = A::mul_add(self.integral[0], x[0], x[S - 1]);
-            next[S - 1] = A::mul_add(self.integral[1], x[1], grown);
-        }
-        for i in 0..S {
-            next[i] = A::mul_add(self.by_move[i], u, next[i]);
-        }
-        next
     }
 
     /// One step of the recursion, as [`Form::policy`] does it for any A.
@@ -124,6 +109,26 @@ impl<const S: usize> Linear<S> {
             }
         }
         self.policy = Policy { gain, inverse };
+        self.closed = self.transition();
+        for c in 0..S {
+            self.gradient[c] = A::mul_add(-gain[c], self.gradient_by_move, self.gradient[c]);
+            for r in 0..S {
+                self.closed[r][c] = A::mul_add(-self.by_move[r], gain[c], self.closed[r][c]);
+            }
+        }
         true
+    }
+
+    /// ∂x⁺/∂x, by rows.
+    #[inline(always)]
+    fn transition(&self) -> [[f64; S]; S] {
+        let mut rows = [[0.0; S]; S];
+        (rows[0][0], rows[0][1], rows[1][1]) = (1.0, self.h, 1.0);
+        rows[LOAD][..=LOAD].copy_from_slice(&self.load);
+        if S > LOAD + 1 {
+            rows[S - 1][..2].copy_from_slice(&self.integral);
+            rows[S - 1][S - 1] = 1.0;
+        }
+        rows
     }
 }
