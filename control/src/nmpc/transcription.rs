@@ -158,10 +158,13 @@ impl Transcription {
             self.initial.reference_angle,
             self.initial.reference_velocity,
         );
-        for (k, u) in moves[..last - 1].iter().enumerate() {
-            let h = self.interval(k).length;
-            angle += h * velocity + 0.5 * h * h * u;
-            velocity += h * u;
+        for (interval, stretch) in self.stretches() {
+            let h = interval.length;
+            let free = moves[..last - 1].iter().skip(stretch.start);
+            for u in free.take(stretch.len()) {
+                angle += h * velocity + 0.5 * h * h * u;
+                velocity += h * u;
+            }
         }
         let [end_angle, end_velocity] = self.terminal_reference();
         let (h, next) = (self.interval(last - 1).length, self.interval(last).length);

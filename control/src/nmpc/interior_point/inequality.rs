@@ -62,6 +62,8 @@ pub struct Inequalities {
     pub lost: usize,
     sign: f64,
     count: usize,
+    /// Largest multiplier before or after the latest step in whole.
+    steepest: f64,
     groups: Vec<Rows>,
 }
 
@@ -73,6 +75,7 @@ impl Inequalities {
             lost: 0,
             sign,
             count,
+            steepest: 0.0,
             groups: vec![Rows::IDLE; count.div_ceil(LANES)],
         }
     }
@@ -104,8 +107,9 @@ impl Inequalities {
 
     /// Sets a bound for each.
     pub fn set_bounds(&mut self, bounds: impl Iterator<Item = f64>) {
-        for (k, bound) in bounds.take(self.count).enumerate() {
-            self.groups[k / LANES].bound[k % LANES] = bound;
+        let rows = self.groups.iter_mut().flat_map(|rows| &mut rows.bound);
+        for (own, bound) in rows.zip(bounds.take(self.count)) {
+            *own = bound;
         }
     }
 
@@ -162,17 +166,20 @@ impl Inequalities {
             STEEPEST_START
         });
         let (zero, mu, least) = (splat(0.0), splat(mu), splat(least));
-        for (g, rows) in self.groups.iter_mut().enumerate() {
-            let first = LANES * g;
+        let mut known = guesses.map_or(&[][..], |(known, _)| known);
+        for rows in &mut self.groups {
             let room = zero - vector(&rows.value);
             let (slack, multiplier) = match guesses {
-                Some((known, scale)) => {
+                Some((_, scale)) => {
                     let mut guess = [0.0; LANES];
-                    for (guess, known) in guess.iter_mut().zip(known.iter().skip(first)) {
-                        *guess = scale * known;
+                    if let Some((group, rest)) = known.split_first_chunk() {
+                        (guess, known) = (*group, rest);
+                    } else {
+                        guess[..known.len()].copy_from_slice(known);
                     }
+                    let guess = splat(scale) * vector(&guess);
                     // What a state from elsewhere has below zero is worth nothing.
-                    let guess = vector(&guess).smaller(highest).larger(zero);
+                    let guess = guess.smaller(highest).larger(zero);
                     // A row that matters gets the slack of its multiplier, any other what room there is.
                     let slack = room.larger(mu.over(guess).smaller(least));
                     let most = guess.larger(splat(FLATTEST_START)).smaller(highest);
@@ -195,13 +202,12 @@ impl Inequalities {
             if elastic {
                 rows.excess = mu.over(splat(self.price) - multiplier).lanes();
             }
-            for l in 0..LANES {
-                if first + l < self.lost {
-                    rows.close(l, self.price);
-                } else if first + l >= self.count {
-                    rows.close(l, Rows::IDLE.multiplier[l]);
-                }
-            }
+        }
+        for k in 0..self.lost {
+            self.groups[k / LANES].close(k % LANES, self.price);
+        }
+        for k in self.count..self.groups.len() * LANES {
+            self.groups[k / LANES].close(k % LANES, Rows::IDLE.multiplier[k % LANES]);
         }
     }
 
@@ -294,6 +300,7 @@ impl Inequalities {
         let elastic = self.elastic();
         let (vector, zero) = (A::Vector::new, A::Vector::splat(0.0));
         let sign = A::Vector::splat(self.sign);
+        let mut steepest = zero;
         for (rows, change) in self.groups.iter_mut().zip(changes) {
             let open = vector(&rows.open);
             let (s, t) = (vector(&rows.slack), vector(&rows.excess));
@@ -302,6 +309,8 @@ impl Inequalities {
             let shift = vector(&rows.value) + of_slack - of_excess;
             let step = vector(&rows.weight) * sign.mul_add(vector(change), shift);
             let slack_step = open * (s * per_multiplier).neg_mul_add(step, of_slack - s);
+            let lambda = vector(&rows.multiplier);
+            steepest = lambda.larger(lambda + step).larger(steepest);
             rows.multiplier_step = step.lanes();
             rows.slack_step = slack_step.lanes();
             *primal = slack_step
@@ -318,6 +327,7 @@ impl Inequalities {
                 *dual = (step * per_rest).larger(*dual);
             }
         }
+        self.steepest = largest(steepest);
     }
 
     /// Σ of the products after a step of the given lengths.
@@ -338,19 +348,6 @@ impl Inequalities {
             gap = products.mul_add(vector(&rows.open), gap);
         }
         gap.sum()
-    }
-
-    /// Largest multiplier before or after the whole step.
-    #[inline(always)]
-    pub fn steepest<A: Arithmetic>(&self) -> f64 {
-        let vector = A::Vector::new;
-        let mut most = A::Vector::splat(0.0);
-        for rows in &self.groups {
-            let lambda = vector(&rows.multiplier);
-            let after = lambda + vector(&rows.multiplier_step);
-            most = lambda.larger(after).larger(most);
-        }
-        largest(most)
     }
 
     /// Takes the step in s and t.

@@ -100,9 +100,11 @@ impl<const S: usize> InteriorPoint<S> {
         let problem = transcription.problem();
         let horizon = problem.horizon;
         let loads = problem.thermal_limit.map_or(0, |_| horizon);
+        let mut thermal = Inequalities::new(loads, 1.0, 1.0);
+        thermal.set_bounds((0..horizon).map(|k| transcription.interval(k).thermal_limit));
         Self {
             newton: Newton::new(transcription),
-            thermal: Inequalities::new(loads, 1.0, 1.0),
+            thermal,
             lower: Inequalities::new(horizon - 1, f64::INFINITY, -1.0),
             upper: Inequalities::new(horizon - 1, f64::INFINITY, 1.0),
             measured: Measure::default(),

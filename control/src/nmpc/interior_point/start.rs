@@ -39,8 +39,6 @@ impl<const S: usize> InteriorPoint<S> {
     ) {
         let transcription = task.transcription;
         let problem = transcription.problem();
-        let limits = (0..problem.horizon).map(|k| transcription.interval(k).thermal_limit);
-        self.thermal.set_bounds(limits);
         let bounds = task.angle_bounds.iter();
         self.lower
             .set_bounds(bounds.clone().map(|bounds| bounds[0]));

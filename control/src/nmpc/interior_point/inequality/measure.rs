@@ -138,7 +138,7 @@ impl Inequalities {
     #[inline(always)]
     pub fn residual_penalty<A: Arithmetic>(&self) -> f64 {
         let (vector, splat) = (A::Vector::new, A::Vector::splat);
-        let flattest = splat(FLATTEST * self.steepest::<A>());
+        let flattest = splat(FLATTEST * self.steepest);
         let mut residuals = splat(0.0);
         for rows in &self.groups {
             let (s, t) = (vector(&rows.slack), vector(&rows.excess));
