@@ -72,7 +72,7 @@ impl Prediction {
         self.transcription.roll_out(&self.moves, &mut self.rollout);
         let rollout = &self.rollout;
         let end = self.moves.len();
-        let [angle, velocity, feedback_integral] = self.transcription.deviation_at(end);
+        let [angle, velocity, feedback_integral] = self.transcription.deviation().at(end);
         let period = self.transcription.problem().period;
         let distances = rollout.stages.iter().map(|stage| {
             let weighted = stage.distance.iter().zip(QUADRATURE);

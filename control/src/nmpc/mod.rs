@@ -4,7 +4,7 @@
 //! | part | question | module |
 //! |---|---|---|
 //! | problem | what is optimised? | [`problem`], from the contract's [`settings`]; [`safe_set`], [`torque_bounds`] |
-//! | transcription | how does it become numbers? | [`grid`], [`transcription`], [`rk4`], [`rollout`], [`linear_quadratic`], [`spline`] |
+//! | transcription | how does it become numbers? | [`grid`], [`transcription`], [`rk4`], [`deviation`], [`rollout`], [`linear_quadratic`], [`spline`] |
 //! | solver | who solves it? | [`solver`] (the interface), [`unconstrained`], [`interior_point`], [`conic`] |
 //! | planner | what if it cannot be solved? | [`planner`], its [`plan`], [`rest`] |
 //!
@@ -41,6 +41,7 @@
 //! ```
 
 pub mod conic;
+pub mod deviation;
 pub mod grid;
 pub mod interior_point;
 pub mod linear_quadratic;

@@ -4,6 +4,7 @@ mod torque;
 
 use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, elementary, require};
 
+use super::deviation;
 use super::problem::{FeedbackModel, Model, Problem, Terminal, Weights};
 use super::transcription::Transcription;
 
@@ -306,7 +307,8 @@ impl Settings {
 
 /// Whether the tracking error stays bounded over the horizon when predicted with these intervals.
 fn predictable(problem: &Problem) -> bool {
-    Transcription::new(*problem, Instructions::Baseline).deviation_growth() <= MAX_DEVIATION_GROWTH
+    let transcription = Transcription::new(*problem, Instructions::Baseline);
+    deviation::growth(transcription.intervals(), problem.horizon) <= MAX_DEVIATION_GROWTH
 }
 
 #[cfg(test)]

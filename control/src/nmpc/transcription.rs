@@ -15,20 +15,18 @@
 //!   T⁺ = a·T + Σ_i w_i·q_i. All w_i are positive for h ≤ T_tc, hence "≥" in place of "=" is convex in τ.
 //!
 //! What remains free is (θr, ωr, e, T) and u. The cost of an interval is h/6·(L_1 + 2·L_2 + 2·L_3 + L_4).
-//!
-//! # Sensitivities
-//! [`Transcription::differentiate`] eliminates e and T by their adjoints ν^e and ν^T: it returns
-//! ∂cost/∂(θr, ωr, u) per interval and the price λ_j = ∂cost/∂q_j of heat. The cost of heat enters only
-//! through q_T·T², so λ_j ≥ 0, and Σ λ_j·q_j is convex where τ is affine.
+
+mod sensitivities;
 
 use std::ops::Range;
 
-use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector, elementary};
+use arm::{Arithmetic, Instructions, Kernel, PositionTorque, Vector};
 
+use super::deviation::Deviation;
 use super::linear_quadratic::deadbeat;
 use super::problem::{Initial, Problem};
-use super::rk4::{CURVED, ELAPSED, Interval, Lanes, Matrix3, STAGES};
-use super::rollout::{Rollout, Sensitivity, Stages};
+use super::rk4::{CURVED, ELAPSED, Interval};
+use super::rollout::{Rollout, Stages};
 
 /// The problem in numbers, for one start and goal at a time.
 #[derive(Clone, Debug)]
@@ -41,10 +39,7 @@ pub struct Transcription {
     intervals: Vec<Interval>,
     initial: Initial,
     goal: f64,
-    /// θ−θr and ω−ωr at the stages, and z after the interval in the first three lanes \[N × 3 × 4\].
-    deviation: Vec<[Lanes; 3]>,
-    /// The same for z = (1, 0, 0), (0, 1, 0) and (0, 0, 1) at the start \[N × 3 × 3 × 4\].
-    deviation_of_units: Vec<[[Lanes; 3]; 3]>,
+    deviation: Deviation,
 }
 
 impl Transcription {
@@ -58,11 +53,10 @@ impl Transcription {
         Self {
             instructions,
             position_torque: PositionTorque::new(&problem.arm),
-            deviation_of_units: deviation_of_units(&intervals, horizon),
+            deviation: Deviation::new(&intervals, horizon),
             intervals,
             initial: Initial::default(),
             goal: 0.0,
-            deviation: vec![[[0.0; STAGES]; 3]; horizon],
             problem,
         }
     }
@@ -116,38 +110,22 @@ impl Transcription {
     pub fn set(&mut self, initial: Initial, goal: f64) {
         self.initial = initial;
         self.goal = goal;
-        self.instructions.run(Deviate(self));
+        let start = [
+            initial.angle - initial.reference_angle,
+            initial.velocity - initial.reference_velocity,
+            initial.feedback_integral,
+        ];
+        self.instructions.run(Deviate(&mut self.deviation, start));
     }
 
-    #[inline(always)]
-    fn deviate<A: Arithmetic>(&mut self) {
-        let z = self.deviation_at(0).map(A::Vector::splat);
-        for (deviation, of_units) in self.deviation.iter_mut().zip(&self.deviation_of_units) {
-            for (row, [a, b, c]) in deviation.iter_mut().zip(of_units) {
-                let both = A::Vector::new(b).mul_add(z[1], A::Vector::new(a) * z[0]);
-                *row = A::Vector::new(c).mul_add(z[2], both).lanes();
-            }
-        }
-    }
-
-    /// z = (θ−θr, ω−ωr, e_L) at node `k`.
-    pub fn deviation_at(&self, k: usize) -> [f64; 3] {
-        match k.checked_sub(1) {
-            Some(interval) => {
-                let [.., [angle, velocity, integral, _]] = self.deviation[interval];
-                [angle, velocity, integral]
-            }
-            None => [
-                self.initial.angle - self.initial.reference_angle,
-                self.initial.velocity - self.initial.reference_velocity,
-                self.initial.feedback_integral,
-            ],
-        }
+    /// The deviation.
+    pub fn deviation(&self) -> &Deviation {
+        &self.deviation
     }
 
     /// (θr, ωr) at the end that put the arm to rest at the goal (eq 27) \[rad, rad/s\].
     pub fn terminal_reference(&self) -> [f64; 2] {
-        let [angle, velocity, _] = self.deviation_at(self.problem.horizon);
+        let [angle, velocity, _] = self.deviation.at(self.problem.horizon);
         [self.goal - angle, -velocity]
     }
 
@@ -174,15 +152,6 @@ impl Transcription {
         let [first, second] = deadbeat(h, next);
         moves[last - 1] = -(first[0] * angle + first[1] * velocity);
         moves[last] = -second[1] * (velocity + h * moves[last - 1]);
-    }
-
-    /// Product of the spectral radii of the deviation's steps: above 1 RK4 lets the tracking error grow.
-    pub fn deviation_growth(&self) -> f64 {
-        let growth = |k: usize| spectral_radius(&self.interval(k).deviation[STAGES]);
-        if let [_] = self.intervals[..] {
-            return elementary::pow(growth(0), self.problem.horizon as f64);
-        }
-        (0..self.problem.horizon).map(growth).product()
     }
 
     /// Follows `moves` u \[N\] through the true model (eqs 22, 24, 28).
@@ -237,7 +206,7 @@ impl Transcription {
             let nodes = nodes.zip(&mut rollout.reference_velocity[after.clone()]);
             let nodes = nodes.zip(&mut rollout.angle[after]);
             let stages = rollout.stages[stretch.clone()].iter_mut();
-            let stages = stages.zip(&self.deviation[stretch.clone()]);
+            let stages = stages.zip(&self.deviation.along()[stretch.clone()]);
             let stages = stages.zip(&moves[stretch]);
             for (((stage, deviation), &u), node) in stages.zip(nodes) {
                 let both = splat(u);
@@ -334,82 +303,6 @@ impl Transcription {
         (rollout.excess, rollout.total_excess) = (excess, total_excess);
     }
 
-    /// ∂cost/∂(θr, ωr, u) and the price of heat along `rollout` of `moves`, with the weight
-    /// `weight_thermal`, which is q_T, or 0 to leave the cost of heat out.
-    pub fn differentiate(
-        &self,
-        weight_thermal: f64,
-        moves: &[f64],
-        rollout: &Rollout,
-        out: &mut Sensitivity,
-    ) {
-        self.instructions.run(Differentiate {
-            transcription: self,
-            weight_thermal,
-            moves,
-            rollout,
-            out,
-        });
-    }
-
-    /// [`Self::differentiate`] inside another kernel.
-    #[inline(always)]
-    pub fn differentiate_with<A: Arithmetic>(
-        &self,
-        weight_thermal: f64,
-        moves: &[f64],
-        rollout: &Rollout,
-        out: &mut Sensitivity,
-    ) {
-        let (vector, splat) = (A::Vector::new, A::Vector::splat);
-        let Problem {
-            arm,
-            weights,
-            motor,
-            ..
-        } = &self.problem;
-        let per_torque = splat(2.0 / (motor.torque_constant * motor.torque_constant));
-        let (damping, inertia) = (splat(arm.damping), splat(arm.inertia));
-        let (mut integral_price, mut load_price) = (0.0, 0.0);
-        let prices = out.gradient.iter_mut().zip(&mut out.heat_price);
-        let intervals = rollout.stages.iter().zip(moves).zip(prices).enumerate();
-        for (k, ((stage, &u), (gradient, heat_price))) in intervals.rev() {
-            let interval = self.interval(k);
-            let (elapsed, curved) = (vector(&interval.elapsed), vector(&interval.curved));
-            let quadrature = vector(&interval.quadrature);
-            let share = quadrature + quadrature;
-
-            let price = interval.heat_price::<A>(stage, weight_thermal, &mut load_price);
-            *heat_price = price.lanes();
-
-            // Integral: e_j sees the distance of the stage before, e⁺ all of them.
-            let mut by_distance = share * splat(weights.angle) * vector(&stage.distance);
-            let mut by_integral = splat(0.0);
-            if weights.integral > 0.0 {
-                by_integral = share * splat(weights.integral) * vector(&stage.integral);
-                let [_, second, third, last] = (by_integral * elapsed).lanes();
-                by_distance = splat(integral_price).mul_add(quadrature, by_distance)
-                    + vector(&[second, third, last, 0.0]);
-            }
-            let by_speed = share * splat(weights.velocity) * vector(&stage.velocity);
-            let torque = price * per_torque * vector(&stage.torque);
-            let slope = vector(&stage.slope);
-            let by_angle = torque.mul_add(slope, by_distance);
-            let drag = torque.mul_add(damping, by_speed);
-            let effort = share * splat(weights.acceleration * u);
-            let by_move = by_angle.mul_add(curved, drag.mul_add(elapsed, effort));
-            let sums = A::Vector::sums([
-                by_angle,
-                by_angle.mul_add(elapsed, drag),
-                torque.mul_add(inertia, by_move),
-                by_integral,
-            ]);
-            let [angle, velocity, move_, integral] = sums.lanes();
-            *gradient = [angle, velocity, move_];
-            integral_price += integral;
-        }
-    }
-
     /// ∂τ_j/∂(θr, ωr, u) of a stage of an interval of length `h`, g linearised at the stage (eq 21).
     #[inline(always)]
     pub fn torque_gradient(&self, stage: &Stages, h: f64, j: usize) -> [f64; 3] {
@@ -423,74 +316,15 @@ impl Transcription {
     }
 }
 
-/// [`Transcription::deviation`] for every unit of z at the start.
-fn deviation_of_units(intervals: &[Interval], horizon: usize) -> Vec<[[Lanes; 3]; 3]> {
-    let mut z = nalgebra::Matrix3::identity();
-    let mut of_interval = |interval: &Interval| {
-        let after = interval
-            .deviation
-            .map(|step| nalgebra::Matrix3::from_fn(|r, c| step[r][c]) * z);
-        z = after[STAGES];
-        let row = |lane: &dyn Fn(usize, usize) -> f64| {
-            std::array::from_fn(|unit| std::array::from_fn(|j| lane(j, unit)))
-        };
-        [
-            row(&|j, unit| after[j][(0, unit)]),
-            row(&|j, unit| after[j][(1, unit)]),
-            row(&|j, unit| if j < 3 { z[(j, unit)] } else { 0.0 }),
-        ]
-    };
-    let each = intervals.iter().cycle().take(horizon);
-    each.map(&mut of_interval).collect()
-}
-
-/// Largest magnitude of an eigenvalue.
-fn spectral_radius(matrix: &Matrix3) -> f64 {
-    let matrix = nalgebra::Matrix3::from_fn(|r, c| matrix[r][c]);
-    match nalgebra::Schur::try_new(matrix, f64::EPSILON, 1000) {
-        Some(schur) => {
-            let eigenvalues = schur.complex_eigenvalues();
-            eigenvalues
-                .iter()
-                .map(|z| elementary::hypot(z.re, z.im))
-                .fold(0.0, f64::max)
-        }
-        None => f64::INFINITY,
-    }
-}
-
-struct Deviate<'a>(&'a mut Transcription);
+/// Sets the deviation at the start.
+struct Deviate<'a>(&'a mut Deviation, [f64; 3]);
 
 impl Kernel for Deviate<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        self.0.deviate::<A>();
-    }
-}
-
-struct Differentiate<'a> {
-    transcription: &'a Transcription,
-    weight_thermal: f64,
-    moves: &'a [f64],
-    rollout: &'a Rollout,
-    out: &'a mut Sensitivity,
-}
-
-impl Kernel for Differentiate<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<A: Arithmetic>(self) {
-        let Self {
-            transcription,
-            weight_thermal,
-            moves,
-            rollout,
-            out,
-        } = self;
-        transcription.differentiate_with::<A>(weight_thermal, moves, rollout, out);
+        self.0.set::<A>(self.1);
     }
 }
 

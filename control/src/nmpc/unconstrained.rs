@@ -7,8 +7,13 @@
 //! curvature, which q_T·T² hardly bends, while one promises a decrease that counts: with the weights of the
 //! paper none does. O(N) a plan.
 
-use arm::{Arithmetic, Kernel, LANES, Separate, Vector};
+mod answer;
+mod governed;
 
+use arm::{Arithmetic, Kernel, Separate, Vector};
+
+use self::answer::Answer;
+use self::governed::Governed;
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
 use super::problem::{Problem, Terminal};
 use super::rk4::STAGES;
@@ -21,44 +26,6 @@ const MAX_STEPS: u32 = 12;
 /// interior point leaves. The moves then miss the optimum's by √2e-8 in the norm of the cost.
 const SETTLED: f64 = 1e-8;
 
-/// What an interval does to (θr, ωr, e) where its move follows the policy u = −K·x + v.
-#[derive(Clone, Copy, Debug)]
-struct Governed {
-    /// A − B·K, and B in the last lane \[3 × 4\].
-    step: [[f64; LANES]; 3],
-    /// K.
-    gain: [f64; LANES],
-    /// 1/H_uu; 0 where the policy is imposed.
-    inverse: f64,
-}
-
-impl Governed {
-    fn new(form: &Form<STATES>, policy: &Policy<STATES>) -> Self {
-        let Policy { gain, inverse } = policy;
-        let row = |r: usize| {
-            let by_state = |c: usize| form.a[r][c] - form.b[r] * gain[c];
-            [by_state(0), by_state(1), by_state(2), form.b[r]]
-        };
-        Self {
-            step: [0, 1, 2].map(row),
-            gain: [gain[0], gain[1], gain[2], 0.0],
-            inverse: *inverse,
-        }
-    }
-
-    /// From the `gradient` of the interval's own cost in (θr, ωr, e, u) and that of the cost to go after it, that of
-    /// the cost to go before it in (θr, ωr, e, v).
-    #[inline(always)]
-    fn back<A: Arithmetic>(&self, gradient: A::Vector, after: A::Vector) -> A::Vector {
-        let [angle, velocity, integral, _] = after.lanes().map(A::Vector::splat);
-        let [.., by_move] = gradient.lanes();
-        let [by_angle, by_velocity, by_integral] = self.step.each_ref().map(A::Vector::new);
-        let own = A::Vector::splat(by_move).neg_mul_add(A::Vector::new(&self.gain), gradient);
-        let through = integral.mul_add(by_integral, own);
-        velocity.mul_add(by_velocity, angle.mul_add(by_angle, through))
-    }
-}
-
 /// Minimiser of the cost subject to dynamics and terminal rest alone.
 #[derive(Clone, Debug)]
 pub struct Unconstrained {
@@ -66,8 +33,8 @@ pub struct Unconstrained {
     governed: Vec<Governed>,
     /// P at the start.
     price: [[f64; STATES]; STATES],
-    /// The moves for every unit of the state at the start, four side by side \[⌈N/4⌉ × 6 × 4\].
-    moves_of_units: Vec<[[f64; LANES]; STATES]>,
+    /// The moves of the policies.
+    answer: Answer,
     sensitivity: Sensitivity,
     /// Change of the moves in a Newton step \[N\].
     step: Vec<f64>,
@@ -118,7 +85,7 @@ impl Unconstrained {
             governed: governed
                 .map(|(form, policy)| Governed::new(form, policy))
                 .collect(),
-            moves_of_units: moves_of_units(&forms, &policies),
+            answer: Answer::new(&forms, &policies),
             price,
             sensitivity: Sensitivity::new(horizon),
             step: vec![0.0; horizon],
@@ -192,8 +159,8 @@ impl Unconstrained {
     #[inline(always)]
     fn follow_policies<A: Arithmetic>(&self, transcription: &Transcription, moves: &mut [f64]) {
         let initial = transcription.initial();
-        let [angle, velocity, integral] = transcription.deviation_at(0);
-        let x = [
+        let [angle, velocity, integral] = transcription.deviation().at(0);
+        let start = [
             initial.reference_angle - transcription.goal(),
             initial.reference_velocity,
             initial.integral,
@@ -201,15 +168,7 @@ impl Unconstrained {
             velocity,
             integral,
         ];
-        let x = x.map(A::Vector::splat);
-        let (whole, rest) = moves.as_chunks_mut();
-        let (of_whole, of_rest) = self.moves_of_units.split_at(whole.len());
-        for (moves, of_units) in whole.iter_mut().zip(of_whole) {
-            *moves = combined::<A>(of_units, &x);
-        }
-        for of_units in of_rest {
-            rest.copy_from_slice(&combined::<A>(of_units, &x)[..rest.len()]);
-        }
+        self.answer.write::<A>(start, moves);
     }
 
     /// From the gradient of the cost, that of the cost to go in (θr, ωr, e), and the moves that answer it; the
@@ -299,40 +258,6 @@ impl Unconstrained {
     }
 }
 
-/// Σ x_i·of_units_i, `x` the same in all lanes.
-#[inline(always)]
-fn combined<A: Arithmetic>(
-    of_units: &[[f64; LANES]; STATES],
-    x: &[A::Vector; STATES],
-) -> [f64; LANES] {
-    let vector = A::Vector::new;
-    let [a, b, c, d, e, f] = of_units;
-    let reference = vector(c).mul_add(x[2], vector(b).mul_add(x[1], vector(a) * x[0]));
-    let deviation = vector(f).mul_add(x[5], vector(e).mul_add(x[4], vector(d) * x[3]));
-    (reference + deviation).lanes()
-}
-
-/// The moves that `policies` make of every unit of the state at the start.
-fn moves_of_units(
-    forms: &[Form<STATES>],
-    policies: &[Policy<STATES>],
-) -> Vec<[[f64; LANES]; STATES]> {
-    let mut moves = vec![[[0.0; LANES]; STATES]; forms.len().div_ceil(LANES)];
-    for unit in 0..STATES {
-        let mut x = [0.0; STATES];
-        x[unit] = 1.0;
-        let dot = |row: &[f64; STATES], x: &[f64; STATES]| -> f64 {
-            row.iter().zip(x).map(|(a, b)| a * b).sum()
-        };
-        for (k, (form, policy)) in forms.iter().zip(policies).enumerate() {
-            let u = -dot(&policy.gain, &x);
-            moves[k / LANES][unit][k % LANES] = u;
-            x = std::array::from_fn(|i| dot(&form.a[i], &x) + form.b[i] * u);
-        }
-    }
-    moves
-}
-
 /// The deadbeat policy of `angle` and `velocity` for the whole state, `left` \[s\] before the end and with
 /// z at the end = `end`·z: rest of the arm, θr−θ_goal = −z_1 and ωr = −z_2.
 fn imposed(angle: f64, velocity: f64, left: f64, end: &[[f64; 3]; 3]) -> [f64; STATES] {
@@ -368,118 +293,4 @@ impl Kernel for Solve<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::examples::{any_initial, pendulum, tflex};
-    use super::*;
-    use arm::Instructions;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// No other moves with the same end are cheaper: the gradient is zero along all that keep it.
-        #[test]
-        fn the_optimum_is_stationary(
-            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
-            heat in prop_oneof![Just(1.0), 1.0..100.0],
-        ) {
-            let mut problem = if flexure { tflex() } else { pendulum() };
-            problem.weights.thermal *= heat;
-            problem.weights.integral = if integral { 1.0 } else { 0.0 };
-            (problem.growth, problem.longest) = (growth, f64::INFINITY);
-            let mut transcription = Transcription::new(problem, Instructions::best());
-            transcription.set(initial, goal);
-            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
-            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-            prop_assert!(unconstrained.solve(&transcription, &mut moves, &mut rollout));
-            prop_assert!((rollout.angle[40] - goal).abs() < 1e-9);
-            // What further Newton steps gain, to the end.
-            let weight = problem.weights.thermal;
-            let (mut best, mut better) = (moves.clone(), rollout.clone());
-            for _ in 0..6 {
-                let mut sensitivity = Sensitivity::new(40);
-                transcription.differentiate(weight, &best, &better, &mut sensitivity);
-                unconstrained.sensitivity = sensitivity;
-                unconstrained.descend::<Separate>();
-                unconstrained.complete_step::<Separate>();
-                unconstrained.add_step(1.0, &mut best);
-                transcription.roll_out(&best, &mut better);
-            }
-            let left = (rollout.cost - better.cost).max(0.0);
-            prop_assert!(left <= 1.1e-8 * better.cost, "{left} of {}", better.cost);
-            // Any change of a move, with the end kept.
-            let optimum = rollout.cost;
-            for k in [0, 7, 30, 37] {
-                let change = |du: f64| {
-                    let mut moves = moves.clone();
-                    moves[k] += du;
-                    transcription.end_at_rest(&mut moves);
-                    let mut rollout = Rollout::new(40);
-                    transcription.roll_out(&moves, &mut rollout);
-                    rollout.cost - optimum
-                };
-                let (up, down) = (change(1e-2), change(-1e-2));
-                prop_assert!(up > 0.0 && down > 0.0);
-                // Cauchy–Schwarz: no slope is above that of the Newton step in units of their curvatures.
-                let slope = 2.0 * (2.0 * left * (up + down)).sqrt();
-                prop_assert!((up - down).abs() <= 1.1 * slope + 1e-3 * (up + down) + 1e-9 * optimum, "{k}: {up} {down}");
-            }
-        }
-
-        /// Where the policies lead the gradient of q_T is the whole gradient.
-        #[test]
-        fn heat_promises_what_the_whole_cost_does(
-            initial in any_initial(), goal in 0.1..1.4, flexure: bool, integral: bool, growth in prop_oneof![Just(1.0), 1.0..1.05],
-            heat in 1e-6..1e-3_f64,
-        ) {
-            let mut problem = if flexure { tflex() } else { pendulum() };
-            problem.weights.thermal = heat;
-            problem.weights.integral = if integral { 1.0 } else { 0.0 };
-            (problem.growth, problem.longest) = (growth, f64::INFINITY);
-            let mut transcription = Transcription::new(problem, Instructions::Baseline);
-            transcription.set(initial, goal);
-            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
-            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-            unconstrained.follow_policies::<Separate>(&transcription, &mut moves);
-            transcription.roll_out(&moves, &mut rollout);
-            let promised = unconstrained.promised_by_heat::<Separate>(&transcription, &rollout);
-            transcription.differentiate(heat, &moves, &rollout, &mut unconstrained.sensitivity);
-            let expected = unconstrained.descend::<Separate>();
-            prop_assert!(promised > 0.0);
-            // But for the trapezoidal rule, beside what is asked of it.
-            let most = 0.1 * (expected + SETTLED * rollout.cost);
-            prop_assert!((promised - expected).abs() <= most, "{promised} {expected}");
-        }
-
-        /// The weight of the paper is too small for a step: the moves are those without it.
-        #[test]
-        fn the_thermal_weight_of_the_paper_takes_no_step(initial in any_initial(), goal in 0.95..1.5) {
-            let plan = |weight: f64| {
-                let mut problem = tflex();
-                problem.weights.thermal = weight;
-                let mut transcription = Transcription::new(problem, Instructions::best());
-                transcription.set(initial, goal);
-                let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
-                let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-                unconstrained.solve(&transcription, &mut moves, &mut rollout);
-                moves
-            };
-            prop_assert_eq!(plan(1e-6), plan(0.0));
-        }
-
-        /// ½·xᵀPx is the cost, where z = 0 and e = 0.
-        #[test]
-        fn the_price_is_the_cost_of_the_optimum(distance in -1.0..1.0_f64) {
-            let mut transcription = Transcription::new(pendulum(), Instructions::best());
-            let initial = super::super::problem::Initial {
-                angle: 0.7 + distance,
-                reference_angle: 0.7 + distance,
-                ..Default::default()
-            };
-            transcription.set(initial, 0.7);
-            let mut unconstrained = Unconstrained::new(&transcription).expect("definite");
-            let (mut moves, mut rollout) = (vec![0.0; 40], Rollout::new(40));
-            unconstrained.solve(&transcription, &mut moves, &mut rollout);
-            let expected = unconstrained.cost_of_movement(distance);
-            prop_assert!((rollout.cost - expected).abs() <= 1e-9 * expected);
-        }
-    }
-}
+mod tests;

@@ -1,5 +1,6 @@
 use super::super::examples::{any_initial, any_moves, pendulum, tflex};
 use super::*;
+use crate::nmpc::rollout::Sensitivity;
 use proptest::prelude::*;
 
 /// Eqs 22, 24, 28 as printed: all states at once. Returns (θ, ω, θr, ωr, e, T, e_L) at every node
