@@ -117,8 +117,8 @@ const fn chebyshev(first: f64, second: [f64; 2]) -> [[f64; POWERS]; POWERS] {
 pub struct PositionTorque<const D: usize> {
     stiffness: f64,
     frequency: f64,
-    /// Highest power of cos 2wθ that is present.
-    degree: usize,
+    /// Whether there is no harmonic above the first.
+    plain: bool,
     /// What the powers of cos 2wθ count for in each derivative, times 1, sin 2wθ, cos wθ and sin wθ, the same in
     /// all lanes.
     powers: [[[[f64; LANES]; 4]; D]; POWERS],
@@ -153,12 +153,12 @@ impl<const D: usize> PositionTorque<D> {
         Self {
             stiffness: arm.stiffness,
             frequency: arm.cogging_frequency,
-            degree: arm.harmonics() / 2,
+            plain: arm.harmonics() <= 1,
             powers,
         }
     }
 
-    /// The first `E` derivatives, g itself the first, at the angles of `M` vectors. Each step waits for the
+    /// The first `E` derivatives, g itself the first, at the angles of `M` vectors. Each step of a sine waits for the
     /// one before; with two vectors there is work to do meanwhile.
     #[inline(always)]
     pub fn derivatives<A: Arithmetic, const M: usize, const E: usize>(
@@ -175,7 +175,7 @@ impl<const D: usize> PositionTorque<D> {
         for m in 0..M {
             let [lowest, .., highest] = &self.powers;
             let mut polynomials = [[splat(0.0); 4]; E];
-            if self.degree == 0 {
+            if self.plain {
                 for e in 0..E {
                     polynomials[e] = lowest[e].each_ref().map(vector);
                 }

@@ -46,6 +46,7 @@ pub fn of(settings: &Settings) -> Result<Planner, Failure> {
         gain_angle: settings.feedback.gains.angle,
         gain_velocity: settings.feedback.gains.velocity,
         gain_integral: 0.0,
+        // Others are given the same limit, of which nothing is kept back.
         sample_period: 0.0,
     };
     let planner = Planner::new(

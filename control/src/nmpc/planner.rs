@@ -262,7 +262,7 @@ impl Planner {
             return None;
         }
         let problem = self.transcription.problem();
-        // The limit itself, not what is kept back of it on long intervals.
+        // The limit itself, not what is kept back of it.
         let limit = problem.thermal_limit.unwrap_or(f64::INFINITY);
         let mut loads = trajectory.thermal_load[1..].iter();
         let over = trajectory.excess > THERMAL_TOLERANCE

@@ -76,7 +76,7 @@ pub struct FeedbackModel {
     pub gain_velocity: f64,
     /// Kint \[N·m/(rad·s)\].
     pub gain_integral: f64,
-    /// How long it holds the torque \[s\]; 0: not at all, as eq 22 has it.
+    /// How long it holds the torque \[s\]; 0: not at all. Only [`Problem::thermal_limit_after`] knows: eq 22 is continuous.
     pub sample_period: f64,
 }
 

@@ -7,7 +7,7 @@
 //!
 //! - **Deviation.** z = (θ−θr, ω−ωr, e_L) obeys dz/dt = F·z whatever u is: both rows of eq 22 get the same
 //!   u, the feedback sees only their difference. Its stage values are M_j·z, its next value M_5·z, with
-//!   M_j the RK4 polynomials of h·F. They are known as soon as the start is.
+//!   M_j the RK4 polynomials of h·F: linear forms of the start, known at set-up.
 //! - **Reference.** θr_j = θr + c_j·h·ωr + d_j·h²·u and ωr_j = ωr + c_j·h·u with c = (0, ½, ½, 1) and
 //!   d = (0, 0, ¼, ½); the step itself is exact: θr⁺ = θr + h·ωr + h²·u/2.
 //! - **Integral.** e_1 = e, e_2 = e + h/2·ϑ_1, e_3 = e + h/2·ϑ_2, e_4 = e + h·ϑ_3, with ϑ = θ − θ_goal.
@@ -82,7 +82,7 @@ impl Transcription {
         &self.intervals
     }
 
-    /// The intervals with the part of the plan that each divides: all of it if all are equal.
+    /// Each interval with the range of k that it stands for: all if all are equal.
     #[inline(always)]
     pub fn stretches(&self) -> impl DoubleEndedIterator<Item = (&Interval, Range<usize>)> {
         let each = self.problem.horizon / self.intervals.len();
@@ -209,12 +209,12 @@ impl Transcription {
             let stages = stages.zip(&self.deviation.along()[stretch.clone()]);
             let stages = stages.zip(&moves[stretch]);
             for (((stage, deviation), &u), node) in stages.zip(nodes) {
-                let both = splat(u);
-                let curve = vector(&interval.curved).mul_add(both, splat(angle - goal));
+                let move_ = splat(u);
+                let curve = vector(&interval.curved).mul_add(move_, splat(angle - goal));
                 let d = elapsed.mul_add(splat(velocity), curve) + vector(&deviation[0]);
-                let reference_velocity = elapsed.mul_add(both, splat(velocity));
+                let reference_velocity = elapsed.mul_add(move_, splat(velocity));
                 let v = reference_velocity + vector(&deviation[1]);
-                let moving = damping.mul_add(reference_velocity, inertia * both);
+                let moving = damping.mul_add(reference_velocity, inertia * move_);
                 let by_angle = splat(weights.angle) * d * d;
                 let mut loss = (splat(weights.velocity) * v).mul_add(v, by_angle);
                 stage.distance = d.lanes();

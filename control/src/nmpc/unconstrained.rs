@@ -3,17 +3,17 @@
 //! follow the cheapest policy like all others.
 //!
 //! Without q_T the optimum is u_k = −K_k·(θr−θ_goal, ωr, e, z), with gains that depend on the problem alone
-//! ([`super::linear_quadratic`]). With q_T Newton steps follow, with the true gradient and the same
+//! ([`super::linear_quadratic`]): a linear form of the start, known at set-up. With q_T Newton steps follow, with the true gradient and the same
 //! curvature, which q_T·T² hardly bends, while one promises a decrease that counts: with the weights of the
 //! paper none does. O(N) a plan.
 
-mod answer;
-mod governed;
+mod closed_loop;
+mod initial_response;
 
 use arm::{Arithmetic, Kernel, Separate, Vector};
 
-use self::answer::Answer;
-use self::governed::Governed;
+use self::closed_loop::ClosedLoop;
+use self::initial_response::InitialResponse;
 use super::linear_quadratic::{Form, Policy, STATES, deadbeat};
 use super::problem::{Problem, Terminal};
 use super::rk4::STAGES;
@@ -29,12 +29,12 @@ const SETTLED: f64 = 1e-8;
 /// Minimiser of the cost subject to dynamics and terminal rest alone.
 #[derive(Clone, Debug)]
 pub struct Unconstrained {
-    /// The intervals \[N\].
-    governed: Vec<Governed>,
+    /// The intervals under their policies \[N\].
+    closed: Vec<ClosedLoop>,
     /// P at the start.
     price: [[f64; STATES]; STATES],
     /// The moves of the policies.
-    answer: Answer,
+    response: InitialResponse,
     sensitivity: Sensitivity,
     /// Change of the moves in a Newton step \[N\].
     step: Vec<f64>,
@@ -80,12 +80,12 @@ impl Unconstrained {
             });
             policies[k] = form.policy::<Separate>(&mut price, imposed)?;
         }
-        let governed = forms.iter().zip(&policies);
+        let closed = forms.iter().zip(&policies);
         Some(Self {
-            governed: governed
-                .map(|(form, policy)| Governed::new(form, policy))
+            closed: closed
+                .map(|(form, policy)| ClosedLoop::new(form, policy))
                 .collect(),
-            answer: Answer::new(&forms, &policies),
+            response: InitialResponse::new(&forms, &policies),
             price,
             sensitivity: Sensitivity::new(horizon),
             step: vec![0.0; horizon],
@@ -168,7 +168,7 @@ impl Unconstrained {
             velocity,
             integral,
         ];
-        self.answer.write::<A>(start, moves);
+        self.response.write::<A>(start, moves);
     }
 
     /// From the gradient of the cost, that of the cost to go in (θr, ωr, e), and the moves that answer it; the
@@ -176,13 +176,13 @@ impl Unconstrained {
     #[inline(always)]
     fn descend<A: Arithmetic>(&mut self) -> f64 {
         let (mut decrease, mut p) = (0.0, A::Vector::splat(0.0));
-        let rows = self.step.iter_mut().zip(&self.governed);
-        for ((step, governed), gradient) in rows.zip(&self.sensitivity.gradient).rev() {
+        let rows = self.step.iter_mut().zip(&self.closed);
+        for ((step, closed), gradient) in rows.zip(&self.sensitivity.gradient).rev() {
             let [angle, velocity, by_move] = *gradient;
-            p = governed.back::<A>(A::Vector::new(&[angle, velocity, 0.0, by_move]), p);
+            p = closed.back::<A>(A::Vector::new(&[angle, velocity, 0.0, by_move]), p);
             let [.., slope] = p.lanes();
-            *step = -governed.inverse * slope;
-            decrease = A::mul_add(0.5 * governed.inverse * slope, slope, decrease);
+            *step = -closed.inverse * slope;
+            decrease = A::mul_add(0.5 * closed.inverse * slope, slope, decrease);
         }
         decrease
     }
@@ -212,7 +212,7 @@ impl Unconstrained {
             let weight = weights.thermal * interval.length;
             let loads = rollout.thermal_load[stretch.start..=stretch.end].windows(2);
             let rows = rollout.stages[stretch.clone()].iter().zip(loads);
-            for ((stage, load), governed) in rows.zip(&self.governed[stretch]).rev() {
+            for ((stage, load), closed) in rows.zip(&self.closed[stretch]).rev() {
                 let [before, after] = *load else { continue };
                 load_price = A::mul_add(weight, after, load_price);
                 let torque = splat(load_price) * weights_of_heat * vector(&stage.torque);
@@ -226,9 +226,9 @@ impl Unconstrained {
                     zero,
                     torque.mul_add(inertia, by_move),
                 ]);
-                p = governed.back::<A>(gradient, p);
+                p = closed.back::<A>(gradient, p);
                 let [.., slope] = p.lanes();
-                decrease = A::mul_add(0.5 * governed.inverse * slope, slope, decrease);
+                decrease = A::mul_add(0.5 * closed.inverse * slope, slope, decrease);
             }
         }
         decrease
@@ -238,12 +238,12 @@ impl Unconstrained {
     #[inline(always)]
     fn complete_step<A: Arithmetic>(&mut self) {
         let mut x = [0.0; 3];
-        for (step, governed) in self.step.iter_mut().zip(&self.governed) {
+        for (step, closed) in self.step.iter_mut().zip(&self.closed) {
             let own = *step;
             for i in 0..3 {
-                *step = A::mul_add(-governed.gain[i], x[i], *step);
+                *step = A::mul_add(-closed.gain[i], x[i], *step);
             }
-            x = governed.step.map(|[a, b, c, by_move]| {
+            x = closed.step.map(|[a, b, c, by_move]| {
                 let free = A::mul_add(a, x[0], A::mul_add(b, x[1], c * x[2]));
                 A::mul_add(by_move, own, free)
             });

@@ -62,7 +62,7 @@ pub struct Inequalities {
     pub lost: usize,
     sign: f64,
     count: usize,
-    /// Largest multiplier before or after the latest step in whole.
+    /// Largest of λ and λ + dλ in the latest step.
     steepest: f64,
     groups: Vec<Rows>,
 }
@@ -166,6 +166,7 @@ impl Inequalities {
             STEEPEST_START
         });
         let (zero, mu, least) = (splat(0.0), splat(mu), splat(least));
+        self.steepest = 0.0;
         let mut known = guesses.map_or(&[][..], |(known, _)| known);
         for rows in &mut self.groups {
             let room = zero - vector(&rows.value);

@@ -69,6 +69,7 @@ impl<const S: usize> Newton<S> {
             by_move: [0.0; S],
             gradient: [0.0; S],
             gradient_by_move: 0.0,
+            closed_gradient: [0.0; S],
             policy: Policy {
                 gain: [0.0; S],
                 inverse: 0.0,
@@ -168,7 +169,7 @@ impl<const S: usize> Newton<S> {
             p[0] += of_angle;
             p[LOAD] += of_load;
             let inverse = linear.policy.inverse;
-            let (mut through, mut before) = (linear.gradient_by_move, linear.gradient);
+            let (mut through, mut before) = (linear.gradient_by_move, linear.closed_gradient);
             for r in 0..S {
                 through = A::mul_add(linear.by_move[r], p[r], through);
                 for c in 0..S {
@@ -185,7 +186,7 @@ impl<const S: usize> Newton<S> {
         let changes = changes.zip(self.load.as_flattened_mut());
         let rows = self.linear.iter().zip(&mut self.moves);
         for ((linear, u), (angle, load)) in rows.zip(changes) {
-            // What the move adds to the policy's, then the move.
+            // B·v for the policy's own part v first, then u = v − K·x.
             let mut after = linear.by_move.map(|by_move| by_move * *u);
             for c in 0..S {
                 *u = A::mul_add(-linear.policy.gain[c], x[c], *u);

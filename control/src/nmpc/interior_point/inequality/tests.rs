@@ -189,19 +189,28 @@ proptest! {
     #[test]
     fn the_merit_is_its_definition(
         quantities in prop::collection::vec(-2.0..2.0_f64, COUNT), elastic: bool, lost in 0..COUNT,
+        change in -1.0..1.0_f64,
     ) {
         let mut family = Inequalities::new(COUNT, if elastic { 10.0 } else { f64::INFINITY }, 1.0);
         family.lost = if elastic { lost } else { 0 };
         family.evaluate::<arm::Separate>(&quantities);
         family.start::<arm::Separate>(0.3, 0.1, None);
         for rows in &mut family.groups {
-            for l in 0..LANES {
-                rows.slack[l] += 0.3 * rows.open[l];
+            for l in (0..LANES).filter(|&l| rows.open[l] > 0.0) {
+                rows.slack[l] += 0.3;
+                // Some too small to be worth their residuals.
+                rows.multiplier[l] *= [1.0, 1e-7][l % 2];
             }
         }
+        family.predict::<arm::Separate>();
+        let mut rates = [<arm::Separate as Arithmetic>::Vector::splat(0.0); 2];
+        let changes = vec![[change; LANES]; COUNT.div_ceil(LANES)];
+        family.step::<arm::Separate>(Aim::ZERO, &changes, &mut rates);
         let measure = family.measure::<arm::Separate>();
         let (s, t) = (numbers(|rows| &rows.slack, &family), numbers(|rows| &rows.excess, &family));
         let lambda = numbers(|rows| &rows.multiplier, &family);
+        let dual = numbers(|rows| &rows.multiplier_step, &family);
+        let lambda: Vec<f64> = lambda.iter().zip(&dual).map(|(l, d)| l.max(l + d)).collect();
         let steepest = lambda.iter().copied().fold(0.0, f64::max);
         let (mut merit, mut most) = (0.0, 0.0_f64);
         for i in 0..COUNT {

@@ -24,14 +24,16 @@ pub struct Linear<const S: usize> {
     pub integral: [f64; 2],
     /// ∂x⁺/∂u = (h²/2, h, t_u, e_u).
     pub by_move: [f64; S],
-    /// Gradient of the cost in x; with the policy, where the move follows it.
+    /// Gradient of the cost in x.
     pub gradient: [f64; S],
     /// Gradient of the cost in u.
     pub gradient_by_move: f64,
     /// The policy of the interval's move.
     pub policy: Policy<S>,
-    /// ∂x⁺/∂x where the move follows it, by rows.
+    /// A − B·K, by rows: the step in closed loop.
     pub closed: [[f64; S]; S],
+    /// Gradient of the cost in x in closed loop.
+    pub closed_gradient: [f64; S],
 }
 
 /// Curvature of an interval's cost: the parts Q, S and R of H; of Q only the upper triangle counts.
@@ -111,7 +113,7 @@ impl<const S: usize> Linear<S> {
         self.policy = Policy { gain, inverse };
         self.closed = self.transition();
         for c in 0..S {
-            self.gradient[c] = A::mul_add(-gain[c], self.gradient_by_move, self.gradient[c]);
+            self.closed_gradient[c] = A::mul_add(-gain[c], self.gradient_by_move, self.gradient[c]);
             for r in 0..S {
                 self.closed[r][c] = A::mul_add(-self.by_move[r], gain[c], self.closed[r][c]);
             }

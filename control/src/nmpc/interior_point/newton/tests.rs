@@ -24,6 +24,7 @@ proptest! {
             gradient_by_move: 0.0,
             policy: Policy { gain: [0.0; 4], inverse: 0.0 },
             closed: [[0.0; 4]; 4],
+            closed_gradient: [0.0; 4],
         };
         let form = Form {
             a: [

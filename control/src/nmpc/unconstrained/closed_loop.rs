@@ -6,7 +6,7 @@ use crate::nmpc::linear_quadratic::{Form, Policy, STATES};
 
 /// What an interval does to (θr, ωr, e) where its move follows the policy u = −K·x + v.
 #[derive(Clone, Copy, Debug)]
-pub struct Governed {
+pub struct ClosedLoop {
     /// A − B·K, and B in the last lane \[3 × 4\].
     pub step: [[f64; LANES]; 3],
     /// K.
@@ -15,7 +15,7 @@ pub struct Governed {
     pub inverse: f64,
 }
 
-impl Governed {
+impl ClosedLoop {
     /// From the step of an interval and its policy.
     pub fn new(form: &Form<STATES>, policy: &Policy<STATES>) -> Self {
         let Policy { gain, inverse } = policy;
