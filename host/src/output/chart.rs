@@ -105,9 +105,10 @@ impl Chart {
         let mut plot = Plot::new();
         let count = self.panels.len().max(1);
         let mut layout = Layout::new()
-            .height(height * count + 80)
+            .height(height * count + 150)
             .hover_mode(HoverMode::X)
-            .margin(Margin::new().left(110).right(20).top(20).bottom(50))
+            // Room at the top for the legend and, above it, the tools.
+            .margin(Margin::new().left(110).right(20).top(90).bottom(50))
             .legend(
                 Legend::new()
                     .orientation(Orientation::Horizontal)
