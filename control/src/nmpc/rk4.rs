@@ -41,6 +41,17 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// One for every shooting interval of `problem`, or a single one if all are equally long.
+    pub fn all(problem: &Problem) -> Vec<Self> {
+        let kinds = if problem.is_even() {
+            1
+        } else {
+            problem.horizon
+        };
+        let lengths = (0..kinds).map(|k| problem.interval_length(k));
+        lengths.map(|length| Self::new(problem, length)).collect()
+    }
+
     /// An interval of `length` \[s\].
     pub fn new(problem: &Problem, length: f64) -> Self {
         let deviation = match problem.model {

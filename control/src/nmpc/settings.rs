@@ -6,7 +6,7 @@ use arm::{Inadmissible, Instructions, Limits, Motor, Parameters, elementary, req
 
 use super::deviation;
 use super::problem::{FeedbackModel, Model, Problem, Terminal, Weights};
-use super::transcription::Transcription;
+use super::rk4::Interval;
 
 /// Length of a shooting interval in units of that of the one before, at most.
 pub const GROWTH: f64 = 1.5;
@@ -307,8 +307,7 @@ impl Settings {
 
 /// Whether the tracking error stays bounded over the horizon when predicted with these intervals.
 fn predictable(problem: &Problem) -> bool {
-    let transcription = Transcription::new(*problem, Instructions::Baseline);
-    deviation::growth(transcription.intervals(), problem.horizon) <= MAX_DEVIATION_GROWTH
+    deviation::growth(&Interval::all(problem), problem.horizon) <= MAX_DEVIATION_GROWTH
 }
 
 #[cfg(test)]

@@ -46,10 +46,7 @@ impl Transcription {
     /// Transcribes `problem`; start and goal are zero until [`Self::set`].
     pub fn new(problem: Problem, instructions: Instructions) -> Self {
         let horizon = problem.horizon;
-        let kinds = if problem.is_even() { 1 } else { horizon };
-        let intervals: Vec<_> = (0..kinds)
-            .map(|k| Interval::new(&problem, problem.interval_length(k)))
-            .collect();
+        let intervals = Interval::all(&problem);
         Self {
             instructions,
             position_torque: PositionTorque::new(&problem.arm),

@@ -3,9 +3,9 @@
 //! follow the cheapest policy like all others.
 //!
 //! Without q_T the optimum is u_k = −K_k·(θr−θ_goal, ωr, e, z), with gains that depend on the problem alone
-//! ([`super::linear_quadratic`]): a linear form of the start, known at set-up. With q_T Newton steps follow, with the true gradient and the same
-//! curvature, which q_T·T² hardly bends, while one promises a decrease that counts: with the weights of the
-//! paper none does. O(N) a plan.
+//! ([`super::linear_quadratic`]): a linear form of the start, known at set-up. With q_T Newton steps follow, with
+//! the true gradient and the same curvature, which q_T·T² hardly bends, while one promises a decrease that counts:
+//! with the weights of the paper none does. O(N) a plan.
 
 mod closed_loop;
 mod initial_response;
